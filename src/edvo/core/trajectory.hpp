@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// A trajectory: poses in time.
+#pragma once
+
+#include "edvo/core/se3.hpp"
+#include "edvo/core/stamp.hpp"
+
+#include <vector>
+
+namespace edvo {
+
+struct StampedPose {
+  Stamp stamp;
+  SE3 world_from_camera;
+};
+
+using Trajectory = std::vector<StampedPose>;  // ordered by stamp
+
+}  // namespace edvo

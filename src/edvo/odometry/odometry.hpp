@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The visual odometry: RGB-D images in, poses out. The one stateful object of the library.
+#pragma once
+
+#include "edvo/core/camera.hpp"
+#include "edvo/core/image.hpp"
+#include "edvo/core/trajectory.hpp"
+#include "edvo/odometry/config.hpp"
+#include "edvo/odometry/frame_report.hpp"
+
+#include <memory>
+
+namespace edvo {
+
+// The world frame is the camera frame of the first image that could be used.
+class Odometry {
+ public:
+  // Throws Error(kConfig, kCalibration, kModel) if the options, the camera or the network's model
+  // do not fit.
+  Odometry(const DistortedCamera& camera, const Config& config);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
+
+  // Images must come in the order of their stamps and be of the camera's size; otherwise throws
+  // Error(kInput) and changes nothing.
+  FrameReport process(const RgbdImage& image);
+
+  // The best present estimate of every tracked frame so far: frames hang on their keyframe, so that
+  // they follow when a later joint refinement moves it. Lost frames are left out.
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] Trajectory keyframes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace edvo
