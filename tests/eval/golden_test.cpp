@@ -15,14 +15,18 @@ struct Files {
   Trajectory truth, estimate;
 };
 
-std::filesystem::path folder() { return test::shared_data() / "evaluation"; }
+std::filesystem::path folder() {
+  return test::shared_data() / "evaluation";
+}
 
 Files files() {
   return {.truth = read_trajectory(folder() / "fr2_desk_groundtruth.txt").trajectory,
           .estimate = read_trajectory(folder() / "fr2_desk_ORB.txt").trajectory};
 }
 
-std::string printed(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
+std::string printed(double value, int decimals) {
+  return fmt::format("{:.{}f}", value, decimals);
+}
 
 Evaluation evaluated(Protocol protocol, double max_difference, const char* delta) {
   const Files f = files();
@@ -50,9 +54,9 @@ TEST(Golden, TumRpe) {
     std::size_t pairs;
     const char *translation, *rotation;
   };
-  for (const Row& row : {Row{"1s", 1998, "0.007161", "0.455005"},
-                         Row{"1f", 2060, "0.003381", "0.266378"},
-                         Row{"30f", 1995, "0.007213", "0.459717"}}) {
+  for (const Row& row :
+       {Row{"1s", 1998, "0.007161", "0.455005"}, Row{"1f", 2060, "0.003381", "0.266378"},
+        Row{"30f", 1995, "0.007213", "0.459717"}}) {
     const Evaluation evaluation = evaluated(Protocol::kTum, 0.02, row.delta);
     ASSERT_TRUE(evaluation.rpe);
     EXPECT_EQ(evaluation.rpe->errors.size(), row.pairs) << row.delta;
