@@ -19,13 +19,15 @@ constexpr double kPlotHeight = 300;
 constexpr double kMapHeight = 480;
 constexpr double kLeft = 74, kRight = 16, kTop = 40, kBottom = 50;
 constexpr double kLegendRow = 20;
-constexpr double kGlyphWidth = 7;   // of the 13 px font, on average
-constexpr double kInvisible = 0.2;  // deviation of a line that cannot be seen
-constexpr int kTicks = 6;           // at most about so many intervals per axis
+constexpr double kGlyphWidth = 7;    // of the 13 px font, on average
+constexpr double kInvisible = 0.2;   // deviation of a line that cannot be seen
+constexpr double kTickSpacing = 80;  // between grid lines, at least [px]
+constexpr double kRowSpacing = 50;   // the same between horizontal ones [px]
 
 // Okabe and Ito's colours: told apart by the colour-blind, on white and on black.
-constexpr std::array<std::string_view, 7> kPalette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                      "#e69f00", "#56b4e9", "#8c8c8c"};
+// After the last one they come again, dashed.
+constexpr std::array<std::string_view, 6> kPalette = {"#0072b2", "#d55e00", "#009e73",
+                                                      "#cc79a7", "#e69f00", "#56b4e9"};
 constexpr std::string_view kTextColor = "#767b82";  // contrast above 4 on white and on black
 
 struct Point {
@@ -177,9 +179,8 @@ std::string path_of(const Canvas& canvas, const Series& series) {
   return path + path_of(line);
 }
 
-// 1, 2 or 5 times a power of ten.
-double tick_step(const Interval& interval) {
-  const double raw = length(interval) / kTicks;
+// At least so large, and 1, 2 or 5 times a power of ten.
+double tick_step(double raw) {
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (factor * power >= raw) return factor * power;
@@ -201,10 +202,10 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
   std::string labels, grid;
   const double bottom = canvas.top + canvas.height;
   const double right = canvas.left + canvas.width;
-  // One step for both axes of a map: the grid is made of squares.
-  const double shared = std::max(tick_step(canvas.x), tick_step(canvas.y));
-  const double x_step = plot.equal_axes ? shared : tick_step(canvas.x);
-  const double y_step = plot.equal_axes ? shared : tick_step(canvas.y);
+  // The grid of a map is made of squares.
+  const double row_spacing = plot.equal_axes ? kTickSpacing : kRowSpacing;
+  const double x_step = tick_step(length(canvas.x) / canvas.width * kTickSpacing);
+  const double y_step = tick_step(length(canvas.y) / canvas.height * row_spacing);
   for (double i = std::ceil(canvas.x.low / x_step); i * x_step <= canvas.x.high; ++i) {
     const double x = to_pixel(canvas, i * x_step, 0).x;
     grid += fmt::format("M{:.1f} {:.1f}V{:.1f}", x, canvas.top, bottom);
@@ -229,9 +230,18 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
              middle, escape(plot.y_label));
 }
 
-std::string_view color_of(const Plot& plot, std::size_t i) {
-  if (!plot.series[i].color.empty()) return plot.series[i].color;
-  return kPalette[i % kPalette.size()];
+// How a line is drawn: the attributes of its stroke.
+std::string stroke_of(const Plot& plot, std::size_t i) {
+  if (!plot.series[i].color.empty())
+    return fmt::format("stroke=\"{}\"", escape(plot.series[i].color));
+  // Lines of given colours use up none of the palette: the n-th of the others looks the same in all
+  // plots of a page.
+  const auto before = plot.series.begin() + static_cast<std::ptrdiff_t>(i);
+  const auto n = static_cast<std::size_t>(std::count_if(
+      plot.series.begin(), before, [](const Series& series) { return series.color.empty(); }));
+  const bool dashed = n / kPalette.size() % 2 == 1;
+  return fmt::format("stroke=\"{}\"{}", kPalette[n % kPalette.size()],
+                     dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 struct Legend {
@@ -254,9 +264,8 @@ Legend make_legend(const Plot& plot) {
       legend.height += kLegendRow;
     }
     const double y = kTop + legend.height - kLegendRow;
-    legend.svg += fmt::format(
-        "<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\" stroke-linecap=\"round\"/>",
-        x, y, escape(color_of(plot, i)));
+    legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" {} stroke-width=\"3\"/>", x, y,
+                              stroke_of(plot, i));
     legend.svg += text(x + 28, y + 4, "start", plot.series[i].name);
     x += width;
   }
@@ -284,9 +293,9 @@ std::string to_svg(const Plot& plot) {
     if (path.empty()) continue;
     empty = false;
     svg += fmt::format(
-        "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\" "
+        "<path d=\"{}\" fill=\"none\" {} stroke-width=\"1.6\" stroke-linejoin=\"round\" "
         "stroke-linecap=\"round\"><title>{}</title></path>\n",
-        path, escape(color_of(plot, i)), escape(plot.series[i].name));
+        path, stroke_of(plot, i), escape(plot.series[i].name));
   }
   if (empty)
     svg += text(canvas.left + 0.5 * canvas.width, canvas.top + 0.5 * canvas.height, "middle",
