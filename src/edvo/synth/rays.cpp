@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/synth/rays.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -104,6 +106,32 @@ float depth_of(const SolidInView& solid, const Eigen::Array4f& direction) {
   return kNothing;
 }
 
+// The bounds of the rays that may meet a box: those of its corners, and where an edge dives behind
+// the camera, of the point where it does.
+void bound(SolidInView& seen, const SE3& camera_from_solid, const Eigen::Vector3d& half) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (int i = 0; i < 8; ++i)
+    corners[i] = camera_from_solid * Eigen::Vector3d{(i & 1) != 0 ? half.x() : -half.x(),
+                                                     (i & 2) != 0 ? half.y() : -half.y(),
+                                                     (i & 4) != 0 ? half.z() : -half.z()};
+  seen.nearest = kNothing;
+  const auto include = [&](const Eigen::Vector3d& point) {
+    const Eigen::Vector2d ray = point.head<2>() / point.z();
+    seen.bounds.extend(ray.cast<float>());
+  };
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d& a = corners[i];
+    seen.nearest = std::min(seen.nearest, static_cast<float>(a.z()));
+    if (a.z() >= kNearest) include(a);
+    for (const int axis : {1, 2, 4}) {
+      if ((i & axis) != 0) continue;
+      const Eigen::Vector3d& b = corners[i | axis];
+      if ((a.z() < kNearest) != (b.z() < kNearest))
+        include(a + (kNearest - a.z()) / (b.z() - a.z()) * (b - a));
+    }
+  }
+}
+
 int face_of(const SolidInView& solid, const Eigen::Array4f& direction, float depth) {
   if (solid.shape == Shape::kSphere) return kRoundFace;
   const Eigen::Array4f point = solid.origin + direction * depth;
@@ -140,17 +168,27 @@ std::vector<SolidInView> view_from(const Scene& scene, double seconds,
   for (const Solid& solid : scene.solids) {
     const SE3 solid_from_camera = inverse(pose_at(solid, seconds)) * world_from_camera;
     const Eigen::Matrix3d R = solid_from_camera.rotation.toRotationMatrix();
-    const float radius = solid.shape == Shape::kSphere ? solid.half.x() : solid.half.norm();
-    solids.push_back({.shape = solid.shape,
-                      .origin = lanes(solid_from_camera.translation, 0),
-                      .x = lanes(R.col(0), 0),
-                      .y = lanes(R.col(1), 0),
-                      .z = lanes(R.col(2), 1),
-                      .half = lanes(solid.half.cast<double>(), 1e9F),
-                      .centre = inverse(solid_from_camera).translation.cast<float>(),
-                      .radius = radius});
+    const Eigen::Vector3d half = solid.half.cast<double>();
+    SolidInView seen{.shape = solid.shape,
+                     .origin = lanes(solid_from_camera.translation, 0),
+                     .x = lanes(R.col(0), 0),
+                     .y = lanes(R.col(1), 0),
+                     .z = lanes(R.col(2), 1),
+                     .half = lanes(half, 1e9F),
+                     .bounds = {}};
+    bound(seen, inverse(solid_from_camera), half);
+    solids.push_back(seen);
   }
   return solids;
+}
+
+std::vector<int> nearest_first(std::span<const SolidInView> solids) {
+  std::vector<int> order;
+  for (int i = 0; i < static_cast<int>(solids.size()); ++i)
+    if (!solids[i].bounds.isEmpty()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return solids[a].nearest < solids[b].nearest; });
+  return order;
 }
 
 Hit cast(std::span<const SolidInView> solids, std::span<const int> candidates, float ray_x,
@@ -158,6 +196,7 @@ Hit cast(std::span<const SolidInView> solids, std::span<const int> candidates, f
   Hit hit{.depth = kNothing};
   for (const int index : candidates) {
     const SolidInView& solid = solids[static_cast<std::size_t>(index)];
+    if (solid.nearest > hit.depth) break;
     const float depth = depth_of(solid, solid.direction(ray_x, ray_y));
     if (depth < hit.depth) {
       hit.depth = depth;

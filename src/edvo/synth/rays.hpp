@@ -6,6 +6,7 @@
 #include "edvo/synth/scene.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -21,8 +22,8 @@ struct SolidInView {
   Shape shape = Shape::kBox;
   Eigen::Array4f origin, x, y, z;  // camera centre and camera axes in the solid's frame
   Eigen::Array4f half;
-  Eigen::Vector3f centre = Eigen::Vector3f::Zero();  // in the camera's frame
-  float radius = 0;                                  // of the sphere around it
+  Eigen::AlignedBox2f bounds;  // of its rays (x, y); empty if it lies behind the camera
+  float nearest = 0;           // no point of it has a smaller depth [m]
 
   [[nodiscard]] Eigen::Array4f direction(float ray_x, float ray_y) const {
     return x * ray_x + y * ray_y + z;
@@ -34,6 +35,9 @@ struct SolidInView {
 
 inline constexpr int kRoundFace = 6;  // the only face of a ball, the side of a cylinder
 
+// All solids that a camera may see, the nearest first.
+[[nodiscard]] std::vector<int> nearest_first(std::span<const SolidInView> solids);
+
 // What a ray (x, y, 1) meets first.
 struct Hit {
   float depth = 0;  // along the camera's z [m]; +infinity = nothing
@@ -41,6 +45,7 @@ struct Hit {
   int face = 0;  // [0..5] for -x +x -y +y -z +z, or kRoundFace
 };
 
+// candidates: indices into solids, ordered by SolidInView::nearest.
 [[nodiscard]] Hit cast(std::span<const SolidInView> solids, std::span<const int> candidates,
                        float ray_x, float ray_y);
 

@@ -40,6 +40,7 @@ struct View {
   const Scene& scene;
   const cv::Mat_<cv::Vec2f>& rays;
   std::vector<SolidInView> solids;
+  std::vector<int> nearest_first;       // indices of solids
   std::vector<Eigen::Vector3f> lights;  // the lamp in the frame of each solid [m]
   float pixel_angle = 0;                // [rad]
 };
@@ -187,30 +188,18 @@ Sample shade_edge(const View& view, std::span<const int> candidates, const Hit& 
   return result;
 }
 
-// The solids that a cone around a tile of pixels may meet. Border samples reach half a footprint
-// out.
+// The solids that the pixels of a tile may meet; border samples reach into the next pixel.
 std::vector<int> candidates_in(const View& view, const cv::Rect& tile) {
-  const auto direction = [&](int x, int y) {
-    const cv::Vec2f& ray =
-        view.rays(std::clamp(y, 0, view.rays.rows - 1), std::clamp(x, 0, view.rays.cols - 1));
-    return Eigen::Vector3f(ray[0], ray[1], 1).normalized();
-  };
-  const Eigen::Vector3f axis = direction(tile.x + tile.width / 2, tile.y + tile.height / 2);
-  float cosine = 1;
-  for (const int x : {tile.x - 1, tile.x + tile.width})
-    for (const int y : {tile.y - 1, tile.y + tile.height})
-      cosine = std::min(cosine, axis.dot(direction(x, y)));
-  const float half_angle = std::acos(std::min(cosine, 1.0F)) + view.pixel_angle;
+  Eigen::AlignedBox2f window;
+  for (int y = tile.y; y <= tile.y + tile.height; ++y)
+    for (int x = tile.x; x <= tile.x + tile.width; ++x)
+      window.extend(Eigen::Vector2f(view.rays(y, x)[0], view.rays(y, x)[1]));
+  const Eigen::Vector2f margin = Eigen::Vector2f::Constant(2 * view.pixel_angle);
+  window.extend(Eigen::Vector2f(window.min() - margin));
+  window.extend(Eigen::Vector2f(window.max() + margin));
   std::vector<int> candidates;
-  for (int i = 0; i < static_cast<int>(view.solids.size()); ++i) {
-    const SolidInView& solid = view.solids[i];
-    const float distance = solid.centre.norm();
-    if (distance > solid.radius) {
-      const float reach = half_angle + std::asin(solid.radius / distance);
-      if (reach < 3 && axis.dot(solid.centre) < distance * std::cos(reach)) continue;
-    }
-    candidates.push_back(i);
-  }
+  for (const int i : view.nearest_first)
+    if (view.solids[i].bounds.intersects(window)) candidates.push_back(i);
   return candidates;
 }
 
@@ -235,7 +224,9 @@ View make_view(const Scene& scene, double seconds, const SE3& world_from_camera,
   View view{.scene = scene,
             .rays = rays,
             .solids = view_from(scene, seconds, world_from_camera),
+            .nearest_first = {},
             .lights = {}};
+  view.nearest_first = nearest_first(view.solids);
   for (const Solid& solid : scene.solids)
     view.lights.push_back(
         (inverse(pose_at(solid, seconds)) * scene.light.cast<double>()).cast<float>());
