@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
 namespace edvo::synth {
@@ -252,20 +253,28 @@ Texture::Level halve(const Texture::Level& fine) {
   return coarse;
 }
 
-// Bilinear, wrapping; texel centres lie at (i + 0.5) / size.
-float sample_level(const Texture::Level& level, float u, float v) {
+// The mean of four bilinear samples, wrapping; texel centres lie at (i + 0.5) / size.
+float mean_in_level(const Texture::Level& level, const Eigen::Array4f& u, const Eigen::Array4f& v) {
   const auto size = static_cast<float>(level.size);
-  const float x = u * size - 0.5F, y = v * size - 0.5F;
-  const float x_floor = std::floor(x), y_floor = std::floor(y);
-  const float fx = x - x_floor, fy = y - y_floor;
+  const Eigen::Array4f x = u * size - 0.5F, y = v * size - 0.5F;
+  const Eigen::Array4f x_floor = x.floor(), y_floor = y.floor();
+  const Eigen::Array4f fx = x - x_floor, fy = y - y_floor;
+  const Eigen::Array4i column = x_floor.cast<int>(), row = y_floor.cast<int>();
   const int mask = level.size - 1;
-  const int x0 = static_cast<int>(x_floor) & mask, y0 = static_cast<int>(y_floor) & mask;
-  const int x1 = (x0 + 1) & mask;
-  const float* above = &level.values[y0 * level.size];
-  const float* below = &level.values[((y0 + 1) & mask) * level.size];
-  const float top = above[x0] + fx * (above[x1] - above[x0]);
-  const float bottom = below[x0] + fx * (below[x1] - below[x0]);
-  return top + fy * (bottom - top);
+  const float* texels = level.values.data();
+  Eigen::Array4f corners[2][2];
+  for (int i = 0; i < 4; ++i) {
+    const int x0 = column[i] & mask, x1 = (column[i] + 1) & mask;
+    const float* above = texels + (row[i] & mask) * level.size;
+    const float* below = texels + ((row[i] + 1) & mask) * level.size;
+    corners[0][0][i] = above[x0];
+    corners[0][1][i] = above[x1];
+    corners[1][0][i] = below[x0];
+    corners[1][1][i] = below[x1];
+  }
+  const Eigen::Array4f top = corners[0][0] + fx * (corners[0][1] - corners[0][0]);
+  const Eigen::Array4f bottom = corners[1][0] + fx * (corners[1][1] - corners[1][0]);
+  return 0.25F * (top + fy * (bottom - top)).sum();
 }
 
 }  // namespace
@@ -280,14 +289,19 @@ Texture make_texture(Pattern pattern, std::uint64_t seed) {
   return texture;
 }
 
-float sample(const Texture& texture, float u, float v, float lod) {
+float mean_of_four(const Texture& texture, const Eigen::Array4f& u, const Eigen::Array4f& v,
+                   float lod) {
   const auto coarsest = static_cast<float>(texture.levels.size() - 1);
   const float level = std::clamp(lod, 0.0F, coarsest);
   const auto fine = static_cast<std::size_t>(level);
   const float blend = level - static_cast<float>(fine);
-  const float value = sample_level(texture.levels[fine], u, v);
+  const float value = mean_in_level(texture.levels[fine], u, v);
   if (blend == 0.0F) return value;
-  return value + blend * (sample_level(texture.levels[fine + 1], u, v) - value);
+  return value + blend * (mean_in_level(texture.levels[fine + 1], u, v) - value);
+}
+
+float sample(const Texture& texture, float u, float v, float lod) {
+  return mean_of_four(texture, Eigen::Array4f::Constant(u), Eigen::Array4f::Constant(v), lod);
 }
 
 }  // namespace edvo::synth
