@@ -50,7 +50,7 @@ double share_of_good_views(const Scene& scene, const std::vector<SE3>& poses,
   int good = 0;
   for (const SE3& pose : poses) {
     const std::vector<SolidInView> solids = view_from(scene, 0, place(placement, pose));
-    const Hit hit = cast(solids, nearest_first(solids), 0, 0);
+    const Hit hit = cast(solids, nearest_first(solids), RayPack{})[0];
     if (hit.depth >= kNearestView && hit.depth <= kFarthestView) ++good;
   }
   return good / static_cast<double>(poses.size());

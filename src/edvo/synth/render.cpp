@@ -36,10 +36,9 @@ std::vector<int> candidates_in(const View& view, const cv::Rect& tile) {
   return candidates;
 }
 
-// Flat, and all eight neighbours show the same face.
+// All eight neighbours show the same face.
 bool is_inner(const cv::Mat_<int>& surfaces, int x, int y) {
   const int surface = surfaces(y, x);
-  if (surface % 8 == kRoundFace) return false;
   const int left = std::max(x - 1, 0), right = std::min(x + 1, surfaces.cols - 1);
   for (const int row : {std::max(y - 1, 0), y, std::min(y + 1, surfaces.rows - 1)}) {
     const int* of_row = surfaces[row];
@@ -72,22 +71,34 @@ Render render(const Scene& scene, double seconds, const SE3& world_from_camera,
   };
   for_each_tile([&](const cv::Rect& tile, std::vector<int>& nearby) {
     nearby = candidates_in(view, tile);
+    const int end = tile.x + tile.width;
     for (int y = tile.y; y < tile.y + tile.height; ++y)
-      for (int x = tile.x; x < tile.x + tile.width; ++x) {
-        const Hit hit = cast(view.solids, nearby, rays(y, x)[0], rays(y, x)[1]);
-        surfaces(y, x) = surface_of(hit);
-        image.depth(y, x) = hit.solid < 0 ? std::numeric_limits<float>::quiet_NaN() : hit.depth;
+      for (int x = tile.x; x < end; x += kPack) {
+        RayPack pack;
+        for (int i = 0; i < kPack; ++i) {
+          const cv::Vec2f& ray = rays(y, std::min(x + i, end - 1));
+          pack.x[i] = ray[0];
+          pack.y[i] = ray[1];
+        }
+        const std::array<Hit, kPack> hits = cast(view.solids, nearby, pack);
+        for (int i = 0; i < std::min(kPack, end - x); ++i) {
+          surfaces(y, x + i) = surface_of(hits[i]);
+          image.depth(y, x + i) =
+              hits[i].solid < 0 ? std::numeric_limits<float>::quiet_NaN() : hits[i].depth;
+        }
       }
   });
   for_each_tile([&](const cv::Rect& tile, const std::vector<int>& nearby) {
     for (int y = tile.y; y < tile.y + tile.height; ++y)
       for (int x = tile.x; x < tile.x + tile.width; ++x) {
+        const int surface = surfaces(y, x);
+        const Hit hit = hit_of(surface, image.depth(y, x));
         Shade shade;
-        if (const int surface = surfaces(y, x); surface != kNoSurface) {
-          const Hit hit = hit_of(surface, image.depth(y, x));
-          shade = is_inner(surfaces, x, y) ? shade_flat(view, hit, x, y)
-                                           : shade_edge(view, nearby, hit, x, y);
-        }
+        if (surface != kNoSurface && is_inner(surfaces, x, y))
+          shade = hit.face != kRoundFace ? shade_flat(view, hit, x, y)
+                                         : shade_edge(view, {&hit.solid, 1}, hit, x, y);
+        else if (surface != kNoSurface)
+          shade = shade_edge(view, nearby, hit, x, y);
         image.bgr(y, x) = shade.bgr;
         image.incidence(y, x) = shade.incidence;
       }

@@ -11,13 +11,12 @@ namespace {
 // A pixel gathers light from a square of this side: lens and colour mosaic blur about as much.
 constexpr float kPixelFootprint = 1.5F;  // [px]
 
-// Inside one face: four samples on a turned grid. Across edges: eight, no two of which share a row
-// or a column, so that coverage of an edge grows in steps of an eighth whatever its direction.
-constexpr int kInnerSamples = 4, kEdgeSamples = 8;
+// Inside one face: four samples on a turned grid. Across edges: a pack of eight, no two of which
+// share a row or a column, so that coverage of an edge grows in steps of an eighth at any slant.
 const Eigen::Array4f kInnerX = kPixelFootprint * Eigen::Array4f{-0.125F, 0.375F, -0.375F, 0.125F};
 const Eigen::Array4f kInnerY = kPixelFootprint * Eigen::Array4f{-0.375F, -0.125F, 0.125F, 0.375F};
-constexpr std::array<float, kEdgeSamples> kEdgeX = {-7, -5, -3, -1, 1, 3, 5, 7};  // [footprint/16]
-constexpr std::array<float, kEdgeSamples> kEdgeY = {-1, 5, -5, 1, 7, -7, 3, -3};
+constexpr std::array<float, kPack> kEdgeX = {-7, -5, -3, -1, 1, 3, 5, 7};  // [footprint/16]
+constexpr std::array<float, kPack> kEdgeY = {-1, 5, -5, 1, 7, -7, 3, -3};
 
 // Rays across a pixel: ray = centre + a * right + b * down, a and b in [px].
 struct PixelRays {
@@ -89,8 +88,8 @@ cv::Vec3f colour_of(const FacePaint& paint, float value, float light) {
 Shade shade_ray(const View& view, const Hit& hit, float ray_x, float ray_y, float sample_angle) {
   const SolidInView& seen = view.solids[hit.solid];
   const FacePaint& paint = view.paints[hit.solid][hit.face];
-  const Eigen::Vector3f direction = seen.direction(ray_x, ray_y).head<3>();
-  const Eigen::Vector3f point = seen.origin.head<3>().matrix() + hit.depth * direction;
+  const Eigen::Vector3f direction = seen.direction(ray_x, ray_y);
+  const Eigen::Vector3f point = seen.origin + hit.depth * direction;
   Eigen::Vector3f normal = paint.normal;
   Eigen::Array2f on_face{point[paint.u], point[paint.v]};  // [m]
   if (hit.face == kRoundFace) {
@@ -135,9 +134,11 @@ Shade shade_flat(const View& view, const Hit& hit, int x, int y) {
   const SolidInView& seen = view.solids[hit.solid];
   const FacePaint& paint = view.paints[hit.solid][hit.face];
   const PixelRays rays = rays_of(view, x, y);
-  const Eigen::Array4f direction = seen.direction(rays.centre[0], rays.centre[1]);
-  const Eigen::Array4f right = seen.x * rays.right[0] + seen.y * rays.right[1];
-  const Eigen::Array4f down = seen.x * rays.down[0] + seen.y * rays.down[1];
+  const Eigen::Vector3f direction = seen.direction(rays.centre[0], rays.centre[1]);
+  const Eigen::Vector3f right =
+      seen.rotation.leftCols<2>() * Eigen::Vector2f(rays.right[0], rays.right[1]);
+  const Eigen::Vector3f down =
+      seen.rotation.leftCols<2>() * Eigen::Vector2f(rays.down[0], rays.down[1]);
   const auto along = [&](int axis) -> Eigen::Array4f {
     return direction[axis] + kInnerX * right[axis] + kInnerY * down[axis];
   };
@@ -145,8 +146,8 @@ Shade shade_flat(const View& view, const Hit& hit, int x, int y) {
   const Eigen::Array4f u = seen.origin[paint.u] + depth * along(paint.u);
   const Eigen::Array4f v = seen.origin[paint.v] + depth * along(paint.v);
 
-  const Eigen::Vector3f point = (seen.origin + hit.depth * direction).head<3>();
-  const float incidence = incidence_of(paint.normal, direction.head<3>());
+  const Eigen::Vector3f point = seen.origin + hit.depth * direction;
+  const float incidence = incidence_of(paint.normal, direction);
   const float value =
       mean_of_four(view.scene.textures[paint.texture], u * paint.tiles[0] + paint.first_tile[0],
                    v * paint.tiles[1] + paint.first_tile[1],
@@ -156,18 +157,21 @@ Shade shade_flat(const View& view, const Hit& hit, int x, int y) {
 }
 
 Shade shade_edge(const View& view, std::span<const int> candidates, const Hit& hit, int x, int y) {
-  const float angle =
-      kPixelFootprint * view.pixel_angle / std::sqrt(static_cast<float>(kEdgeSamples));
+  const float angle = kPixelFootprint * view.pixel_angle / std::sqrt(static_cast<float>(kPack));
   const PixelRays rays = rays_of(view, x, y);
   Shade result{.bgr = {0, 0, 0},
                .incidence = shade_ray(view, hit, rays.centre[0], rays.centre[1], angle).incidence};
-  for (int i = 0; i < kEdgeSamples; ++i) {
+  RayPack pack;
+  for (int i = 0; i < kPack; ++i) {
     const float a = kPixelFootprint / 16 * kEdgeX[i], b = kPixelFootprint / 16 * kEdgeY[i];
     const cv::Vec2f ray = rays.centre + a * rays.right + b * rays.down;
-    const Hit met = cast(view.solids, candidates, ray[0], ray[1]);
-    if (met.solid >= 0) result.bgr += shade_ray(view, met, ray[0], ray[1], angle).bgr;
+    pack.x[i] = ray[0];
+    pack.y[i] = ray[1];
   }
-  result.bgr *= 1.0F / kEdgeSamples;
+  const std::array<Hit, kPack> hits = cast(view.solids, candidates, pack);
+  for (int i = 0; i < kPack; ++i)
+    if (hits[i].solid >= 0) result.bgr += shade_ray(view, hits[i], pack.x[i], pack.y[i], angle).bgr;
+  result.bgr *= 1.0F / kPack;
   return result;
 }
 
