@@ -165,8 +165,8 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
   for (const Stage& stage : kStages)
     summary.stage_milliseconds.push_back(percentiles_of(
         log.frames, [&](const FrameRecord& frame) { return frame.milliseconds.*stage.time; }));
-  summary.total_milliseconds = percentiles_of(
-      log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
+  summary.total_milliseconds =
+      percentiles_of(log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
   return summary;
 }
 

@@ -30,10 +30,10 @@ struct RunDescription {
   std::string camera_origin;  // which camera this is, and why it was taken
   double depth_scale = 0;     // [units per metre], 0 = depth came in metres
   std::string depth_origin;
-  std::int64_t frames = 0;              // in the sequence, or asked for
-  std::optional<std::uint64_t> seed;    // where something random took part
-  std::vector<std::string> notes;       // what was found and chosen
-  std::vector<std::string> warnings;    // what the user should look at
+  std::int64_t frames = 0;            // in the sequence, or asked for
+  std::optional<std::uint64_t> seed;  // where something random took part
+  std::vector<std::string> notes;     // what was found and chosen
+  std::vector<std::string> warnings;  // what the user should look at
 };
 
 // The stages of a frame, in the order in which they run.
@@ -95,7 +95,7 @@ struct RunSummary {
   double peak_memory = 0;   // [MB]
   bool interrupted = false;
   std::vector<Percentiles> stage_milliseconds = {};  // one per stage of kStages
-  Percentiles total_milliseconds = {};           // of a whole frame, reading it excluded
+  Percentiles total_milliseconds = {};               // of a whole frame, reading it excluded
 };
 
 [[nodiscard]] RunSummary summarize(const RunDescription& run, const RunLog& log,
