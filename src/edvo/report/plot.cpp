@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/plot.hpp"
 
+#include "edvo/report/markup.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -44,24 +46,6 @@ struct Canvas {
 
 double length(const Interval& interval) {
   return interval.high - interval.low;
-}
-
-std::string escape(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
 }
 
 bool is_drawable(const Series& series, std::size_t i) {
@@ -228,7 +212,7 @@ std::string tick_label(double value, double step) {
 
 std::string text(double x, double y, std::string_view anchor, std::string_view content) {
   return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", x, y, anchor,
-                     escape(content));
+                     escape_markup(content));
 }
 
 std::string axes_of(const Canvas& canvas, const Plot& plot) {
@@ -260,7 +244,7 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
          fmt::format(
              "<text transform=\"translate(16 {:.1f}) rotate(-90)\" "
              "text-anchor=\"middle\">{}</text>\n",
-             middle, escape(plot.y_label));
+             middle, escape_markup(plot.y_label));
 }
 
 std::string_view color_of(const Plot& plot, std::size_t i) {
@@ -290,7 +274,7 @@ Legend make_legend(const Plot& plot, double top) {
     const double y = top + legend.height - kLegendRow;
     legend.svg += fmt::format(
         "<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\" stroke-linecap=\"round\"/>",
-        x, y, escape(color_of(plot, i)));
+        x, y, escape_markup(color_of(plot, i)));
     legend.svg += text(x + 28, y + 4, "start", plot.series[i].name);
     x += width;
   }
@@ -303,9 +287,10 @@ std::string lines_of(const Canvas& canvas, const Plot& plot) {
     const std::string path = path_of(canvas, plot.series[i], plot.equal_axes);
     if (path.empty()) continue;
     lines += fmt::format(
-        "<path d=\"{}\" class=\"series\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" "
+        "<path d=\"{}\" class=\"series\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
         "stroke-linejoin=\"round\" stroke-linecap=\"round\"><title>{}</title></path>\n",
-        path, escape(color_of(plot, i)), escape(plot.series[i].name));
+        path, escape_markup(color_of(plot, i)), plot.series[i].thickness,
+        escape_markup(plot.series[i].name));
   }
   return lines;
 }
@@ -320,8 +305,8 @@ std::string areas_of(const Canvas& canvas, const Plot& plot) {
     if (path.empty()) continue;
     areas += fmt::format(
         "<path d=\"{}V{:.1f}H{:.1f}Z\" class=\"series\" fill=\"{}\"><title>{}</title></path>\n",
-        path, bottom, to_pixel(canvas, series.x.front(), 0).x, escape(color_of(plot, i)),
-        escape(series.name));
+        path, bottom, to_pixel(canvas, series.x.front(), 0).x, escape_markup(color_of(plot, i)),
+        escape_markup(series.name));
   }
   return areas;
 }
@@ -366,11 +351,11 @@ std::string to_svg(const Plot& given) {
       "height=\"{1}\" style=\"max-width:100%;height:auto\" role=\"img\" aria-label=\"{2}\" "
       "font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"{3}\" "
       "data-area=\"{4} {5} {6} {7} {8:.9g} {9:.9g} {10:.9g} {11:.9g}\">\n",
-      plot.width, height, escape(plot.title), kTextColor, canvas.left, canvas.top, canvas.width,
-      canvas.height, canvas.x.low, canvas.x.high, canvas.y.low, canvas.y.high);
+      plot.width, height, escape_markup(plot.title), kTextColor, canvas.left, canvas.top,
+      canvas.width, canvas.height, canvas.x.low, canvas.x.high, canvas.y.low, canvas.y.high);
   if (!plot.title.empty())
     svg += fmt::format("<text x=\"{}\" y=\"22\" font-size=\"15\" font-weight=\"600\">{}</text>\n",
-                       kLeft, escape(plot.title));
+                       kLeft, escape_markup(plot.title));
   svg += legend.svg + axes_of(canvas, plot) + decorations_of(canvas, plot);
   const std::string curves = plot.stacked ? areas_of(canvas, plot) : lines_of(canvas, plot);
   svg += curves;

@@ -13,6 +13,7 @@ struct Series {
   std::string name;          // in the legend; shown when the plot has more than one series
   std::vector<double> x, y;  // same length
   std::string color = {};    // "#rrggbb"; empty = the next one of the palette
+  double thickness = 1.6;    // [px]
 };
 
 struct Limits {

@@ -70,10 +70,38 @@ struct RunLog {
   Trajectory online;  // each pose as known when its frame was processed; lost frames left out
 };
 
+// A measured value over time. A NaN interrupts it.
+struct Curve {
+  std::vector<double> seconds;  // [s] since the first frame
+  std::vector<double> values;
+};
+
+// How far one trajectory is from ground truth.
+struct TrajectoryErrors {
+  double ate = 0, ate_median = 0, ate_max = 0;  // root mean square, median, largest [m]
+  double rpe_translation = 0;                   // root mean square [m/s]
+  double rpe_rotation = 0;                      // root mean square [deg/s]
+  double drift = 0;                             // end error per path length [%]
+  std::int64_t ate_pairs = 0, rpe_pairs = 0;
+  Curve ate_curve;              // [m]
+  Curve rpe_translation_curve;  // [m/s]
+  Curve rpe_rotation_curve;     // [deg/s]
+};
+
+struct RunEvaluation {
+  std::string ground_truth;  // where it was read from
+  std::string ate_protocol, rpe_protocol;
+  TrajectoryErrors final_poses;   // trajectory.tum
+  TrajectoryErrors online_poses;  // trajectory_online.tum
+  Trajectory truth;               // during the run, aligned to the trajectory
+};
+
 // Known at the end.
 struct RunOutcome {
   Trajectory trajectory;  // as known at the end
   Trajectory keyframes;
+  std::optional<RunEvaluation> evaluation;
+  std::string no_evaluation;  // why there is none
   double wall_seconds = 0;
   bool interrupted = false;
 };
@@ -94,6 +122,9 @@ struct RunSummary {
   double wall_seconds = 0;  // from the first frame asked for to the last pose
   double peak_memory = 0;   // [MB]
   bool interrupted = false;
+  std::optional<RunEvaluation> evaluation;
+  std::string no_evaluation;
+  double coverage = 0;  // [0..1] frames with a pose, of those that were due so far
   std::vector<Percentiles> stage_milliseconds = {};  // one per stage of kStages
   Percentiles total_milliseconds = {};               // of a whole frame, reading it excluded
 };
@@ -110,6 +141,9 @@ struct RunSummary {
 
 // The p-th quantile, p in [0..1], by linear interpolation; 0 of nothing.
 [[nodiscard]] double quantile(std::vector<double> values, double p);
+
+// Frames processed per second of the whole run, reading them included.
+[[nodiscard]] double frames_per_second(const RunSummary& summary);
 
 // Length of the line through the positions. [m]
 [[nodiscard]] double path_length(const Trajectory& trajectory);
