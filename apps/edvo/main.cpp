@@ -8,7 +8,9 @@ namespace {
 
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
-const std::vector<void (*)(CLI::App&)> kVerbs = {};
+const std::vector<void (*)(CLI::App&)> kVerbs = {
+    edvo::app::add_eval_command,
+};
 
 }  // namespace
 
