@@ -17,10 +17,9 @@ inline FrameReport sample_report(std::int64_t index) {
       .status = index == 0 ? FrameStatus::kFirst
                 : lost     ? FrameStatus::kLost
                            : FrameStatus::kTracked,
-      .world_from_camera =
-          exp((Vector6d() << std::sin(angle), 0.1 * std::sin(3 * angle), std::cos(2 * angle), 0,
-               0.2 * std::sin(angle), 0)
-                  .finished()),
+      .world_from_camera = exp((Vector6d() << std::sin(angle), 0.1 * std::sin(3 * angle),
+                                std::cos(2 * angle), 0, 0.2 * std::sin(angle), 0)
+                                   .finished()),
       .information = 1e6 * Matrix6d::Identity(),
       .points = 8000,
       .inlier_ratio = 0.85 + 0.1 * std::sin(17 * angle),
@@ -60,9 +59,14 @@ struct SampleRun {
 
 inline SampleRun sample_run(std::int64_t frames) {
   SampleRun run;
-  TrajectoryErrors errors{.ate = 0.0123, .ate_median = 0.011, .ate_max = 0.03,
-                          .rpe_translation = 0.021, .rpe_rotation = 1.2, .drift = 0.8,
-                          .ate_pairs = frames, .rpe_pairs = frames};
+  TrajectoryErrors errors{.ate = 0.0123,
+                          .ate_median = 0.011,
+                          .ate_max = 0.03,
+                          .rpe_translation = 0.021,
+                          .rpe_rotation = 1.2,
+                          .drift = 0.8,
+                          .ate_pairs = frames,
+                          .rpe_pairs = frames};
   for (std::int64_t i = 0; i < frames; ++i) {
     const FrameReport report = sample_report(i);
     run.log.frames.push_back({.index = i,
@@ -86,8 +90,7 @@ inline SampleRun sample_run(std::int64_t frames) {
   run.log.online = run.outcome.trajectory;
   run.outcome.wall_seconds = static_cast<double>(frames) / 100.0;
   RunEvaluation evaluation{.ground_truth = "groundtruth.txt",
-                           .ate_protocol = "TUM: pairs within 0.02 s, rigid alignment",
-                           .rpe_protocol = "TUM: fixed 1 s",
+                           .protocol = "TUM protocol: ATE rmse, RPE rmse over fixed delta 1s",
                            .final_poses = errors,
                            .online_poses = errors,
                            .truth = run.outcome.trajectory};

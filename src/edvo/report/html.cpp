@@ -43,19 +43,22 @@ std::vector<Tile> error_tiles(const RunEvaluation& evaluation) {
   const TrajectoryErrors& final_poses = evaluation.final_poses;
   const TrajectoryErrors& online = evaluation.online_poses;
   constexpr double kCentimetres = 100;
-  return {{.name = "Absolute trajectory error",
-           .value = fmt::format("{:.2f}", kCentimetres * final_poses.ate),
-           .unit = "cm",
-           .more = fmt::format("RMSE, SE(3)-aligned · live {:.2f} cm", kCentimetres * online.ate)},
-          {.name = "Relative error, translation",
-           .value = fmt::format("{:.2f}", kCentimetres * final_poses.rpe_translation),
-           .unit = "cm/s",
-           .more = fmt::format("RMSE over 1 s · live {:.2f} cm/s",
-                               kCentimetres * online.rpe_translation)},
-          {.name = "Relative error, rotation",
-           .value = fmt::format("{:.2f}", final_poses.rpe_rotation),
-           .unit = "°/s",
-           .more = fmt::format("RMSE over 1 s · live {:.2f} °/s", online.rpe_rotation)}};
+  std::vector<Tile> tiles = {
+      {.name = "Absolute error (ATE)",
+       .value = fmt::format("{:.2f}", kCentimetres * final_poses.ate),
+       .unit = "cm",
+       .more = fmt::format("RMSE, SE(3)-aligned<br>live {:.2f} cm", kCentimetres * online.ate)}};
+  if (final_poses.rpe_pairs == 0 || online.rpe_pairs == 0) return tiles;
+  tiles.push_back({.name = "Relative error (RPE)",
+                   .value = fmt::format("{:.2f}", kCentimetres * final_poses.rpe_translation),
+                   .unit = "cm/s",
+                   .more = fmt::format("RMSE over 1 s<br>live {:.2f} cm/s",
+                                       kCentimetres * online.rpe_translation)});
+  tiles.push_back({.name = "Relative error, rotation",
+                   .value = fmt::format("{:.2f}", final_poses.rpe_rotation),
+                   .unit = "°/s",
+                   .more = fmt::format("RMSE over 1 s<br>live {:.2f} °/s", online.rpe_rotation)});
+  return tiles;
 }
 
 std::string tiles_section(const RunSummary& summary, const RunLog& log) {
@@ -67,7 +70,7 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
       {.name = "Frames tracked",
        .value = thousands(summary.tracked),
        .unit = fmt::format("of {}", thousands(processed + skipped)),
-       .more = fmt::format("{} lost · {} skipped", thousands(summary.lost), thousands(skipped)),
+       .more = fmt::format("{} lost<br>{} skipped", thousands(summary.lost), thousands(skipped)),
        .mood = complete           ? "good"
                : summary.lost > 0 ? "bad"
                                   : ""});
@@ -77,7 +80,7 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
       {.name = "Speed",
        .value = fmt::format("{:.1f}", frames_per_second(summary)),
        .unit = "frames/s",
-       .more = fmt::format("median {:.1f} ms · 95 % within {:.1f} ms",
+       .more = fmt::format("median {:.1f} ms<br>95 % within {:.1f} ms",
                            summary.total_milliseconds.median, summary.total_milliseconds.p95)});
   tiles.push_back({.name = "Keyframes",
                    .value = thousands(summary.keyframes),
@@ -93,13 +96,13 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
                    .mood = summary.lost_events > 0 ? "bad" : ""});
   const double seconds =
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
+  const std::optional<double> drift =
+      summary.evaluation ? summary.evaluation->final_poses.drift : std::nullopt;
   tiles.push_back({.name = "Path",
                    .value = fmt::format("{:.2f}", summary.path_length),
                    .unit = "m",
                    .more = fmt::format("in {:.1f} s", seconds) +
-                           (summary.evaluation ? fmt::format(" · {:.2f} % drift",
-                                                             summary.evaluation->final_poses.drift)
-                                               : "")});
+                           (drift ? fmt::format("<br>{:.2f} % drift at its end", *drift) : "")});
   std::string html = "<section class=\"tiles\">\n";
   for (const Tile& tile : tiles) html += to_html(tile);
   return html + "</section>\n";
@@ -194,8 +197,7 @@ std::string facts_card(const RunSummary& summary) {
   table += row("depth", run.depth_origin);
   if (summary.evaluation) {
     table += row("ground truth", summary.evaluation->ground_truth);
-    table += row("ATE protocol", summary.evaluation->ate_protocol);
-    table += row("RPE protocol", summary.evaluation->rpe_protocol);
+    table += row("protocol", summary.evaluation->protocol);
   } else if (!summary.no_evaluation.empty()) {
     table += row("no evaluation", summary.no_evaluation);
   }

@@ -102,20 +102,22 @@ Json skipped_array(const std::vector<SkippedFrame>& skipped) {
 }
 
 Json to_json(const TrajectoryErrors& errors) {
-  return {{"ate_rmse_m", number(errors.ate, 6)},
-          {"ate_median_m", number(errors.ate_median, 6)},
-          {"ate_max_m", number(errors.ate_max, 6)},
-          {"ate_pairs", errors.ate_pairs},
-          {"rpe_translation_rmse_m_per_s", number(errors.rpe_translation, 6)},
-          {"rpe_rotation_rmse_deg_per_s", number(errors.rpe_rotation, 6)},
-          {"rpe_pairs", errors.rpe_pairs},
-          {"drift_percent", number(errors.drift, 4)}};
+  Json json = {
+      {"ate_rmse_m", number(errors.ate, 6)},     {"ate_median_m", number(errors.ate_median, 6)},
+      {"ate_max_m", number(errors.ate_max, 6)},  {"ate_pairs", errors.ate_pairs},
+      {"rpe_translation_rmse_m_per_s", nullptr}, {"rpe_rotation_rmse_deg_per_s", nullptr},
+      {"rpe_pairs", errors.rpe_pairs},           {"drift_percent", nullptr}};
+  if (errors.rpe_pairs > 0) {
+    json["rpe_translation_rmse_m_per_s"] = number(errors.rpe_translation, 6);
+    json["rpe_rotation_rmse_deg_per_s"] = number(errors.rpe_rotation, 6);
+  }
+  if (errors.drift) json["drift_percent"] = number(*errors.drift, 4);
+  return json;
 }
 
 Json to_json(const RunEvaluation& evaluation) {
   return {{"ground_truth", evaluation.ground_truth},
-          {"ate_protocol", evaluation.ate_protocol},
-          {"rpe_protocol", evaluation.rpe_protocol},
+          {"protocol", evaluation.protocol},
           {"final", to_json(evaluation.final_poses)},
           {"online", to_json(evaluation.online_poses)}};
 }

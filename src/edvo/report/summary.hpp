@@ -79,18 +79,18 @@ struct Curve {
 // How far one trajectory is from ground truth.
 struct TrajectoryErrors {
   double ate = 0, ate_median = 0, ate_max = 0;  // root mean square, median, largest [m]
-  double rpe_translation = 0;                   // root mean square [m/s]
-  double rpe_rotation = 0;                      // root mean square [deg/s]
-  double drift = 0;                             // end error per path length [%]
-  std::int64_t ate_pairs = 0, rpe_pairs = 0;
-  Curve ate_curve;              // [m]
-  Curve rpe_translation_curve;  // [m/s]
-  Curve rpe_rotation_curve;     // [deg/s]
+  double rpe_translation = 0;                   // root mean square over 1 s [m/s]
+  double rpe_rotation = 0;                      // root mean square over 1 s [deg/s]
+  std::optional<double> drift;                  // end error per path length [%]
+  std::int64_t ate_pairs = 0, rpe_pairs = 0;    // without pairs there is no error
+  Curve ate_curve;                              // [m]
+  Curve rpe_translation_curve;                  // [m/s]
+  Curve rpe_rotation_curve;                     // [deg/s]
 };
 
 struct RunEvaluation {
-  std::string ground_truth;  // where it was read from
-  std::string ate_protocol, rpe_protocol;
+  std::string ground_truth;       // where it was read from
+  std::string protocol;           // of all numbers, as one line
   TrajectoryErrors final_poses;   // trajectory.tum
   TrajectoryErrors online_poses;  // trajectory_online.tum
   Trajectory truth;               // during the run, aligned to the trajectory
