@@ -104,7 +104,7 @@ TEST(ConfigToml, OneFieldReadIsOneFieldChanged) {
 
 TEST(ConfigToml, SaysHelpAndRangeAboveEachField) {
   const std::string text = to_toml(Config{});
-  EXPECT_THAT(text, HasSubstr(": 1 to 8\nlevels = "));
+  EXPECT_THAT(text, HasSubstr("; allowed: 1 to 8\nlevels = "));
   std::size_t fields = 0;
   std::size_t comments = 0;
   for_each_field(kDefaults, [&](auto&&...) { ++fields; });

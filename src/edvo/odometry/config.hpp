@@ -23,6 +23,8 @@ enum class Method {
   kCnn,          // network edges without corner optimization
 };
 
+inline constexpr Method kDefaultMethod = Method::kCannyCorner;  // until a network ships with edvo
+
 template <>
 struct EnumNames<Method> {
   static constexpr auto names = std::to_array<std::pair<Method, std::string_view>>({

@@ -209,7 +209,8 @@ std::string to_toml(const Config& config) {
     text += fmt::format("{}# {}\n[{}]\n", text.empty() ? "" : "\n", about, group);
     visit_fields(options, [&](std::string_view name, const auto& field, const Range& range,
                               std::string_view help) {
-      text += fmt::format("# {}: {}\n{} = {}\n", help, allowed(field, range), name, spelled(field));
+      text += fmt::format("# {}; allowed: {}\n{} = {}\n", help, allowed(field, range), name,
+                          spelled(field));
     });
   });
   return text;
