@@ -119,7 +119,6 @@ void show_choices(const RunDescription& run, const Dataset& dataset, bool quiet)
   if (!quiet) {
     fmt::print(stderr, "sequence  {}: {}, {} frames\n", run.source, dataset.layout, run.frames);
     fmt::print(stderr, "camera    {}\n", run.camera_origin);
-    fmt::print(stderr, "depth     {}\n", run.depth_origin);
     fmt::print(stderr, "method    {}\n", run.method);
     for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
   }
