@@ -5,8 +5,10 @@
 
 #include <fmt/core.h>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <tuple>
 
 namespace edvo {
@@ -15,29 +17,37 @@ namespace {
 constexpr std::size_t kMostCandidatesPerStamp = 200;  // a 5 kHz camera at a gap of 20 ms
 
 struct Candidate {
-  std::int64_t gap = 0;  // [ns]
+  double gap = 0;  // [s]
   IndexPair pair;
 };
 
-std::vector<Candidate> candidates_within(std::span<const Stamp> first,
-                                         std::span<const Stamp> second, std::int64_t largest_gap) {
+// As the script holds them. Which of two equal gaps is the smaller one, and whether 20 ms are less
+// than 0.02 s, is decided there by the rounding of doubles; the same pairs need the same rounding.
+std::vector<double> in_seconds(std::span<const Stamp> stamps) {
+  std::vector<double> seconds;
+  for (const Stamp& stamp : stamps) {
+    const std::string text = to_string(stamp);
+    std::from_chars(text.data(), text.data() + text.size(), seconds.emplace_back());
+  }
+  return seconds;
+}
+
+std::vector<Candidate> candidates_within(const std::vector<double>& first,
+                                         const std::vector<double>& second, double largest_gap) {
   std::vector<Candidate> candidates;
   const std::size_t most =
       kMostCandidatesPerStamp * std::max<std::size_t>({first.size(), second.size(), 1});
   std::size_t begin = 0;
   for (std::size_t i = 0; i < first.size(); ++i) {
-    while (begin < second.size() && first[i].nanoseconds - second[begin].nanoseconds >= largest_gap)
-      ++begin;
-    for (std::size_t j = begin; j < second.size(); ++j) {
-      const std::int64_t difference = second[j].nanoseconds - first[i].nanoseconds;
-      if (difference >= largest_gap) break;
-      candidates.push_back({.gap = std::abs(difference), .pair = {.first = i, .second = j}});
-    }
+    while (begin < second.size() && first[i] - second[begin] >= largest_gap) ++begin;
+    for (std::size_t j = begin; j < second.size() && second[j] - first[i] < largest_gap; ++j)
+      candidates.push_back(
+          {.gap = std::abs(first[i] - second[j]), .pair = {.first = i, .second = j}});
     if (candidates.size() > most)
       throw Error(ErrorCode::kInput,
-                  fmt::format("stamps around {} are too close for an association within {} s; are "
-                              "they in seconds?",
-                              to_string(first[i]), static_cast<double>(largest_gap) * 1e-9));
+                  fmt::format("time stamps around {:.9f} are too close for an association within "
+                              "{} s; are they in seconds?",
+                              first[i], largest_gap));
   }
   return candidates;
 }
@@ -47,7 +57,7 @@ std::vector<Candidate> candidates_within(std::span<const Stamp> first,
 std::vector<IndexPair> associate(std::span<const Stamp> first, std::span<const Stamp> second,
                                  double largest_gap) {
   std::vector<Candidate> candidates =
-      candidates_within(first, second, static_cast<std::int64_t>(std::llround(largest_gap * 1e9)));
+      candidates_within(in_seconds(first), in_seconds(second), largest_gap);
   std::ranges::sort(candidates, {}, [](const Candidate& c) {
     return std::tuple(c.gap, c.pair.first, c.pair.second);
   });
