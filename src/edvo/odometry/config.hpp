@@ -6,6 +6,7 @@
 #include "edvo/edge/canny.hpp"
 #include "edvo/edge/corners.hpp"
 #include "edvo/track/tracker.hpp"
+#include "edvo/track/window.hpp"
 
 #include <concepts>
 #include <string>
@@ -83,6 +84,7 @@ struct Config {
   SelectOptions selection;
   TrackOptions tracking;
   KeyframeOptions keyframes;
+  WindowOptions window;
 };
 
 template <typename Self, typename Visitor>
@@ -95,6 +97,7 @@ void visit_groups(Self& self, Visitor&& visit) {
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");
   visit("keyframes", self.keyframes, "when a frame becomes a keyframe (section III-C)");
+  visit("window", self.window, "joint refinement of the last keyframes");
 }
 
 // The options of one of the paper's systems.

@@ -38,6 +38,7 @@ struct Odometry::State {
   Config config;
   Undistortion undistortion;
   std::vector<Keyframe> keyframes;
+  std::vector<WindowKeyframe> window;
   std::vector<FrameLink> frames;
   Alignment last;  // of the last frame to the current keyframe
   SE3 motion;      // previous camera from last camera
@@ -65,6 +66,16 @@ struct Odometry::State {
     keyframes.push_back(
         {frame.stamp, world_from_camera, make_reference(frame, pixels, config.tracking.softness)});
     times.selection = watch.lap();
+    if (config.window.keyframes > 0) {
+      SelectOptions fewer = config.selection;
+      fewer.max_points = config.window.points;
+      window.push_back(make_window_keyframe(frame, world_from_camera, select_pixels(frame, mask, undistortion.valid, fewer), config.window));
+      if (static_cast<int>(window.size()) > config.window.keyframes) window.erase(window.begin());
+      refine_window(window, undistortion.camera, config.window.fixed, config.window);
+      const std::size_t first = keyframes.size() - window.size();
+      for (std::size_t k = 0; k < window.size(); ++k) keyframes[first + k].world_from_key = window[k].world_from_key;
+    }
+    times.window = watch.lap();
     last = {};
     frames_since_keyframe = 0;
     frames.back().keyframe = keyframes.size() - 1;
