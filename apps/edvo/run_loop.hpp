@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Frames in, a run on disk and its summary out: what `edvo run` and `edvo demo` have in common.
+#pragma once
+
+#include "edvo/core/image.hpp"
+#include "edvo/report/summary.hpp"
+#include "run_evaluation.hpp"
+#include "run_options.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace edvo::app {
+
+// One frame of the input, or why it could not be read.
+struct InputFrame {
+  std::int64_t index = 0;  // in the sequence
+  Stamp stamp;
+  std::optional<RgbdImage> image;
+  std::string problem;  // where there is no image
+};
+
+// The next frame; none at the end.
+using FrameSource = std::function<std::optional<InputFrame>()>;
+
+struct RunResult {
+  RunSummary summary;
+  std::filesystem::path folder;
+};
+
+// Tracks every frame until the end or a signal to stop, writes the run's folder and evaluates
+// against the ground truth if there is one. Frames that cannot be read or used are skipped and
+// counted. Throws Error(kTrackingLost), after everything is written, if no frame could be tracked.
+[[nodiscard]] RunResult run_frames(const FrameSource& next_frame, const RunDescription& description,
+                                   const Config& config, const std::optional<GroundTruth>& truth,
+                                   const RunOptions& options);
+
+// The result on stdout: a table, or with --json the summary as one object. Then leaves with the
+// status of an interrupted program if it was.
+void show_result(const RunResult& result, const RunOptions& options);
+
+}  // namespace edvo::app

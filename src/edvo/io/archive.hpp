@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Archives of sequences, unpacked once into a cache.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+namespace edvo {
+
+// $XDG_CACHE_HOME/edvo or ~/.cache/edvo. Throws Error(kOutput) if neither is known.
+[[nodiscard]] std::filesystem::path default_cache();
+
+// A tar or zip archive, plain or compressed (gzip, bzip2, xz, zstd), as a folder in the cache. It
+// is unpacked the first time only; the folder's name has the archive's name, size and time of
+// change. Throws Error(kInput) if it is no archive, damaged, or has links or paths that lead out of
+// it; Error(kOutput) if the cache cannot hold it. Either way nothing is left behind. on_progress is
+// told the share done [0..1]; what it throws ends the unpacking and passes through.
+[[nodiscard]] std::filesystem::path unpack_archive(
+    const std::filesystem::path& archive, const std::filesystem::path& cache,
+    const std::function<void(double)>& on_progress = nullptr);
+
+}  // namespace edvo

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// An RGB-D sequence on disk: which images there are, which belong together, and reading them.
+#pragma once
+
+#include "edvo/core/image.hpp"
+#include "edvo/io/depth_scale.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace edvo {
+
+struct DatasetOptions {
+  std::optional<double> depth_scale = {};  // [units/m], empty = by the layout and the name
+  double assumed_rate = 30;                // [Hz] of numbered frames, which have no stamps
+  double largest_gap = 0.02;               // [s] between a colour image and its depth image
+  std::filesystem::path cache = {};        // where archives are unpacked, empty = default_cache()
+  // Told the share of an archive that is unpacked [0..1], several times a second. What it throws
+  // ends the unpacking, leaves nothing behind and passes through.
+  std::function<void(double)> on_unpack = nullptr;
+};
+
+struct FrameEntry {
+  Stamp stamp;        // of the colour image, and so of the frame
+  Stamp depth_stamp;  // of the depth image
+  std::filesystem::path colour, depth;
+};
+
+struct Dataset {
+  std::string name;                // of the folder or the archive, without endings
+  std::filesystem::path source;    // as given
+  std::filesystem::path root;      // the folder that has the lists or the image folders
+  std::string layout;              // what was recognised: "TUM lists", "association file", ...
+  std::vector<FrameEntry> frames;  // ordered by stamp
+  std::size_t colour_count = 0;    // images found, paired or not
+  std::size_t depth_count = 0;
+  cv::Size image_size;  // of the first frame that can be read, and so of all [px]
+  DepthScale depth_scale;
+  std::optional<std::filesystem::path> ground_truth;  // a trajectory file in the root
+  std::vector<std::string> notes;                     // what was picked and why
+  std::vector<std::string> warnings;                  // what looks wrong but does not stop the run
+};
+
+// Opens a folder, or an archive (tar, zip, also compressed) of one, in any of these layouts:
+//   rgb.txt + depth.txt                 TUM; colour and depth associated by time
+//   associations.txt, associate.txt...  stamp, file, stamp, file; colour or depth first
+//   rgb|color|... + depth|depths        folders of numbered images, no stamps
+//   *.color.png + *.depth.png           in one folder, numbered
+// Throws Error(kInput) if there is no sequence, nothing fits together or no frame can be read,
+// Error(kOutput) if an archive cannot be unpacked.
+[[nodiscard]] Dataset open_dataset(const std::filesystem::path& source,
+                                   const DatasetOptions& options = {});
+
+// Throws Error(kInput) about that frame only: images missing, damaged or of other sizes.
+[[nodiscard]] RgbdImage read_frame(const Dataset& dataset, std::size_t index);
+
+}  // namespace edvo

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// The ways in which RGB-D sequences are laid out in a folder.
+#pragma once
+
+#include "edvo/io/dataset.hpp"
+
+namespace edvo {
+
+// What a folder says about its frames.
+struct Listing {
+  std::string layout;
+  std::vector<FrameEntry> frames;  // ordered by stamp
+  std::size_t colour_count = 0, depth_count = 0;
+  double usual_depth_scale = 5000;  // [units/m] of this layout
+  std::vector<std::string> notes, warnings;
+};
+
+// The frames of the first layout that fits, none if none does.
+[[nodiscard]] std::optional<Listing> list_frames(const std::filesystem::path& root,
+                                                 const DatasetOptions& options);
+
+// What list_frames() looks for, for messages.
+[[nodiscard]] std::string describe_layouts();
+
+// Each of these reads one layout and throws Error(kInput) if it is there but does not hold
+// together.
+[[nodiscard]] Listing read_tum_lists(const std::filesystem::path& root,
+                                     const DatasetOptions& options);
+[[nodiscard]] Listing read_association_file(const std::filesystem::path& file,
+                                            const DatasetOptions& options);
+[[nodiscard]] Listing pair_numbered_files(const std::vector<std::filesystem::path>& colour,
+                                          const std::vector<std::filesystem::path>& depth,
+                                          const DatasetOptions& options);
+
+}  // namespace edvo

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// The layouts with time stamps: TUM's rgb.txt and depth.txt, and association files.
+#include "edvo/core/error.hpp"
+#include "edvo/io/associate.hpp"
+#include "edvo/io/dataset_layout.hpp"
+#include "edvo/io/text_list.hpp"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <cctype>
+
+namespace edvo {
+namespace {
+
+using std::filesystem::path;
+
+// A line of a list, whatever else it says.
+template <typename Content>
+struct Record {
+  Stamp stamp;
+  int line = 0;
+  Content content;
+};
+
+// Orders records by stamp and keeps the first of equal stamps; says so in warnings.
+template <typename Content>
+void order_by_stamp(std::vector<Record<Content>>& records, const path& file,
+                    std::vector<std::string>& warnings) {
+  const auto by_stamp = [](const auto& a, const auto& b) { return a.stamp < b.stamp; };
+  if (const auto late = std::ranges::is_sorted_until(records, by_stamp); late != records.end()) {
+    warnings.push_back(fmt::format("{}:{}: time stamp {} is earlier than the one before; sorted",
+                                   file.string(), late->line, to_string(late->stamp)));
+    std::ranges::stable_sort(records, by_stamp);
+  }
+  const std::size_t count = records.size();
+  int first_line = 0;
+  const auto repeats = [&](const auto& a, const auto& b) {
+    if (a.stamp != b.stamp) return false;
+    if (first_line == 0) first_line = b.line;
+    return true;
+  };
+  const auto rest = std::ranges::unique(records, repeats);
+  records.erase(rest.begin(), rest.end());
+  if (records.size() < count)
+    warnings.push_back(fmt::format("{}:{}: time stamp already seen; {} such lines left out",
+                                   file.string(), first_line, count - records.size()));
+}
+
+std::vector<Record<path>> read_image_list(const path& file, std::vector<std::string>& warnings) {
+  std::vector<Record<path>> images;
+  for (const ListLine& line : read_list(file, 2))
+    images.push_back({.stamp = stamp_field(file, line, 0),
+                      .line = line.number,
+                      .content = file.parent_path() / line.fields[1]});
+  if (images.empty())
+    throw Error(ErrorCode::kInput, fmt::format("{}: lists no image", file.string()));
+  order_by_stamp(images, file, warnings);
+  return images;
+}
+
+std::vector<Stamp> stamps_of(const std::vector<Record<path>>& images) {
+  std::vector<Stamp> stamps;
+  for (const auto& image : images) stamps.push_back(image.stamp);
+  return stamps;
+}
+
+[[noreturn]] void fail_without_pairs(const path& root, const std::vector<Stamp>& colour,
+                                     const std::vector<Stamp>& depth, double largest_gap) {
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: no colour image has a depth image within {} s; the smallest gap is "
+                          "{:.6f} s (colour from {} to {}, depth from {} to {})",
+                          root.string(), largest_gap, smallest_gap(colour, depth),
+                          to_string(colour.front()), to_string(colour.back()),
+                          to_string(depth.front()), to_string(depth.back())));
+}
+
+// Rendered sequences are stamped 0, 1, 2, ... : frame numbers, which would be taken for seconds.
+void note_frame_numbers(Listing& listing) {
+  constexpr double kSlowest = 0.9;  // [s]
+  const auto& frames = listing.frames;
+  if (frames.size() < 3) return;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    steps.push_back(seconds_between(frames[i - 1].stamp, frames[i].stamp));
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  if (*middle >= kSlowest)
+    listing.notes.push_back(fmt::format(
+        "frames are {:g} s apart: if the stamps are frame numbers, read \"s\" as \"frame\"",
+        *middle));
+}
+
+enum class Kind { kColour, kDepth, kUnknown };
+
+Kind kind_of(std::string name) {
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.find("depth") != std::string::npos) return Kind::kDepth;
+  for (const char* const word : {"rgb", "color", "colour", "image", ".jpg", ".jpeg"})
+    if (name.find(word) != std::string::npos) return Kind::kColour;
+  return Kind::kUnknown;
+}
+
+// Which half of an association file's lines names the depth image: 0 or 1.
+std::size_t depth_half(const path& file, const std::vector<ListLine>& lines) {
+  for (const ListLine& line : lines) {
+    const Kind first = kind_of(line.fields[1]);
+    const Kind second = kind_of(line.fields[3]);
+    if (first == second) continue;
+    if (first == Kind::kDepth || second == Kind::kColour) return 0;
+    return 1;
+  }
+  throw Error(ErrorCode::kInput,
+              fmt::format("{}: cannot tell which column is depth; neither path has \"depth\", "
+                          "\"rgb\" or \"color\" in it",
+                          file.string()));
+}
+
+}  // namespace
+
+Listing read_tum_lists(const path& root, const DatasetOptions& options) {
+  Listing listing;
+  listing.layout = "TUM lists";
+  const auto colour = read_image_list(root / "rgb.txt", listing.warnings);
+  const auto depth = read_image_list(root / "depth.txt", listing.warnings);
+  listing.colour_count = colour.size();
+  listing.depth_count = depth.size();
+
+  const std::vector<Stamp> colour_stamps = stamps_of(colour);
+  const std::vector<Stamp> depth_stamps = stamps_of(depth);
+  for (const auto [i, j] : associate(colour_stamps, depth_stamps, options.largest_gap))
+    listing.frames.push_back({.stamp = colour[i].stamp,
+                              .depth_stamp = depth[j].stamp,
+                              .colour = colour[i].content,
+                              .depth = depth[j].content});
+  if (listing.frames.empty())
+    fail_without_pairs(root, colour_stamps, depth_stamps, options.largest_gap);
+  listing.notes.push_back(fmt::format("{} pairs within {} s of {} colour and {} depth images",
+                                      listing.frames.size(), options.largest_gap, colour.size(),
+                                      depth.size()));
+  note_frame_numbers(listing);
+  return listing;
+}
+
+Listing read_association_file(const path& file, const DatasetOptions& options) {
+  Listing listing;
+  listing.layout = fmt::format("association file {}", file.filename().string());
+  const std::vector<ListLine> lines = read_list(file, 4);
+  if (lines.empty())
+    throw Error(ErrorCode::kInput, fmt::format("{}: lists no pair", file.string()));
+  const std::size_t depth = 2 * depth_half(file, lines);
+  const std::size_t colour = 2 - depth;
+
+  std::vector<Record<FrameEntry>> pairs;
+  for (const ListLine& line : lines) {
+    const Stamp stamp = stamp_field(file, line, colour);
+    pairs.push_back({.stamp = stamp,
+                     .line = line.number,
+                     .content = {.stamp = stamp,
+                                 .depth_stamp = stamp_field(file, line, depth),
+                                 .colour = file.parent_path() / line.fields[colour + 1],
+                                 .depth = file.parent_path() / line.fields[depth + 1]}});
+  }
+  order_by_stamp(pairs, file, listing.warnings);
+
+  std::size_t far_apart = 0;
+  for (const auto& pair : pairs) {
+    const FrameEntry& frame = pair.content;
+    if (std::abs(seconds_between(frame.stamp, frame.depth_stamp)) >= options.largest_gap)
+      ++far_apart;
+    listing.frames.push_back(frame);
+  }
+  if (far_apart > 0)
+    listing.warnings.push_back(fmt::format("{}: {} of {} pairs are {} s or more apart",
+                                           file.string(), far_apart, pairs.size(),
+                                           options.largest_gap));
+  listing.colour_count = listing.depth_count = pairs.size();
+  listing.notes.push_back(fmt::format("{} pairs as listed in {}, {} first", pairs.size(),
+                                      file.filename().string(), depth == 0 ? "depth" : "colour"));
+  note_frame_numbers(listing);
+  return listing;
+}
+
+}  // namespace edvo
