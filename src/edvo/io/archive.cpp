@@ -58,7 +58,7 @@ ArchiveReader open_archive(const fs::path& file) {
   archive_read_support_filter_xz(reader.get());
   archive_read_support_filter_zstd(reader.get());
   archive_read_support_format_tar(reader.get());
-  archive_read_support_format_zip(reader.get());
+  archive_read_support_format_zip_seekable(reader.get());  // needs the directory at its end
   if (archive_read_open_filename(reader.get(), file.c_str(), kBlock) != ARCHIVE_OK)
     fail_input(file, fmt::format("neither a folder nor a readable tar or zip archive, {}",
                                  archive_error_string(reader.get())));

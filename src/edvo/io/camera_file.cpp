@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/camera_file.hpp"
+
+#include "edvo/core/error.hpp"
+#include "edvo/io/camera_text.hpp"
+#include "edvo/io/file.hpp"
+#include "edvo/io/text_list.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <sstream>
+
+namespace edvo {
+namespace {
+
+using std::filesystem::path;
+
+constexpr std::size_t kLargestCameraFile = std::size_t{1} << 20;  // [bytes]
+constexpr std::string_view kFormats =
+    "TOML (fx, fy, cx, cy), OpenCV YAML, ROS camera_info YAML, Kalibr camchain YAML or the numbers "
+    "fx fy cx cy [k1 k2 p1 p2 [k3]]";
+
+std::string read_text(const path& file) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  try {
+    const std::string text = read_file(file, kLargestCameraFile);
+    return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kCalibration, error.what());
+  }
+}
+
+// The text without blank lines, comments and YAML's directives, to see what it starts with.
+std::string significant(std::string_view text) {
+  std::istringstream lines{std::string(text)};
+  std::string all;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#' || line[first] == '%' ||
+        line.starts_with("---"))
+      continue;
+    all += line.substr(first) + '\n';
+  }
+  return all;
+}
+
+// All of the text as numbers apart by blanks or commas; empty if there is anything else.
+std::optional<std::vector<double>> as_numbers(std::string text) {
+  std::ranges::replace(text, ',', ' ');
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    const char* const begin = word.data() + (word.front() == '+' ? 1 : 0);
+    const char* const end = word.data() + word.size();
+    const auto [stop, status] = std::from_chars(begin, end, numbers.emplace_back());
+    if (stop != end || status != std::errc{}) return std::nullopt;
+  }
+  return numbers;
+}
+
+StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numbers) {
+  StatedCamera camera;
+  const std::size_t count = numbers.size();
+  if (count == 9 && numbers[1] == 0 && numbers[3] == 0) {
+    set_matrix(camera, file, numbers);
+  } else if (count == 4 || count == 8 || count == 9) {
+    camera.fx = numbers[0];
+    camera.fy = numbers[1];
+    camera.cx = numbers[2];
+    camera.cy = numbers[3];
+    camera.distortion.assign(numbers.begin() + 4, numbers.end());
+  } else {
+    fail_camera(file, fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3]] or a 3 x 3 matrix, that "
+                                  "is 4, 8 or 9 numbers, got {}",
+                                  count));
+  }
+  return camera;
+}
+
+StatedCamera parse_camera_toml(const path& file, std::string_view text) {
+  toml::table table;
+  try {
+    table = toml::parse(text, file.string());
+  } catch (const toml::parse_error& error) {
+    throw Error(
+        ErrorCode::kCalibration,
+        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()));
+  }
+  const auto fail_at = [&](const toml::source_region& where, const std::string& reason) {
+    throw Error(ErrorCode::kCalibration,
+                fmt::format("{}:{}: {}", file.string(), where.begin.line, reason));
+  };
+  const auto number = [&](std::string_view key, bool needed) {
+    const toml::node* const node = table.get(key);
+    if (node == nullptr && !needed) return 0.0;
+    if (node == nullptr) fail_camera(file, fmt::format("{} is missing", key));
+    if (!node->is_number()) fail_at(node->source(), fmt::format("{} must be a number", key));
+    return *node->value<double>();
+  };
+  StatedCamera camera{.fx = number("fx", true),
+                      .fy = number("fy", true),
+                      .cx = number("cx", true),
+                      .cy = number("cy", true),
+                      .distortion = {},
+                      .size = {}};
+  const auto side = [&](std::string_view key) {
+    const double value = number(key, false);
+    constexpr double kLargestSide = 1e6;
+    if (!(value >= 0 && value <= kLargestSide) || value != std::floor(value))
+      fail_camera(file, fmt::format("{} = {} is no size in pixels", key, value));
+    return static_cast<int>(value);
+  };
+  camera.size = {side("width"), side("height")};
+  for (const auto& [key, node] : table) {
+    if (key.str() == "distortion") {
+      const toml::array* const values = node.as_array();
+      if (values == nullptr)
+        fail_at(node.source(), "distortion must be an array of numbers: k1, k2, p1, p2, k3");
+      for (const toml::node& value : *values) {
+        if (!value.is_number()) fail_at(value.source(), "distortion must be an array of numbers");
+        camera.distortion.push_back(*value.value<double>());
+      }
+    } else if (constexpr std::array kKnown = {"fx", "fy", "cx", "cy", "width", "height"};
+               std::ranges::find(kKnown, key.str()) == kKnown.end()) {
+      fail_at(key.source(), fmt::format("unknown key {}; known are {} and distortion",
+                                        printable(key.str()), fmt::join(kKnown, ", ")));
+    }
+  }
+  return camera;
+}
+
+StatedCamera parse_camera(const path& file, std::string_view text) {
+  const std::string content = significant(text);
+  if (content.empty()) fail_camera(file, fmt::format("empty, expected {}", kFormats));
+  if (const auto numbers = as_numbers(content)) return camera_of_numbers(file, *numbers);
+  const std::string_view first_line = std::string_view(content).substr(0, content.find('\n'));
+  if (first_line.front() == '<')
+    fail_camera(file, fmt::format("XML is not read, expected {}", kFormats));
+  const std::size_t sign = first_line.find_first_of("=:");
+  const bool is_toml =
+      first_line.front() == '[' || (sign != std::string_view::npos && first_line[sign] == '=');
+  return is_toml ? parse_camera_toml(file, text) : parse_camera_yaml(file, text);
+}
+
+// Distances in images: a principal point farther out, or a focal length shorter or longer than
+// these, belongs to no camera of this kind, but to numbers in other units or another order.
+constexpr double kFarthestPrincipalPoint = 0.5;
+constexpr double kShortestFocalLength = 0.1;
+constexpr double kLongestFocalLength = 100;
+
+void check_values(const path& file, const DistortedCamera& camera) {
+  const Camera& pinhole = camera.pinhole;
+  const auto check = [&](const char* name, double value, bool is_right, const std::string& need) {
+    if (!std::isfinite(value) || !is_right)
+      fail_camera(file, fmt::format("{} = {} {}", name, value, need));
+  };
+  const double width = pinhole.width, height = pinhole.height;
+  const auto is_focal = [&](double f) {
+    return f >= kShortestFocalLength * width && f <= kLongestFocalLength * width;
+  };
+  const auto is_near = [&](double c, double side) {
+    return c >= -kFarthestPrincipalPoint * side && c <= (1 + kFarthestPrincipalPoint) * side;
+  };
+  const std::string focal =
+      fmt::format("is no focal length in pixels of a {} px wide image", width);
+  check("fx", pinhole.fx, is_focal(pinhole.fx), focal);
+  check("fy", pinhole.fy, is_focal(std::abs(pinhole.fy)), focal);
+  const std::string centre = fmt::format("is far outside of an image of {} x {} px", width, height);
+  check("cx", pinhole.cx, is_near(pinhole.cx, width), centre);
+  check("cy", pinhole.cy, is_near(pinhole.cy, height), centre);
+  for (const double k : camera.distortion)
+    check("distortion coefficient", k, true, "is not finite");
+}
+
+}  // namespace
+
+void fail_camera(const path& file, std::string_view reason) {
+  throw Error(ErrorCode::kCalibration, fmt::format("{}: {}", file.string(), reason));
+}
+
+void set_matrix(StatedCamera& camera, const path& file, std::span<const double> m) {
+  if (m.size() != 9)
+    fail_camera(file, fmt::format("the camera matrix has {} numbers instead of 9", m.size()));
+  if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
+    fail_camera(file, fmt::format("the camera matrix [{}] is not of the form fx 0 cx 0 fy cy 0 0 1",
+                                  fmt::join(m, ", ")));
+  camera.fx = m[0];
+  camera.cx = m[2];
+  camera.fy = m[4];
+  camera.cy = m[5];
+}
+
+DistortedCamera read_camera(const path& file, cv::Size image_size) {
+  const StatedCamera stated = parse_camera(file, read_text(file));
+  if (!stated.size.empty() && !image_size.empty() && stated.size != image_size)
+    fail_camera(file, fmt::format("calibrated for images of {} x {} px, but they have {} x {} px",
+                                  stated.size.width, stated.size.height, image_size.width,
+                                  image_size.height));
+  const cv::Size size = image_size.empty() ? stated.size : image_size;
+  if (size.empty()) fail_camera(file, "does not say the size of the images (width, height)");
+
+  DistortedCamera camera{.pinhole = {.fx = stated.fx,
+                                     .fy = stated.fy,
+                                     .cx = stated.cx,
+                                     .cy = stated.cy,
+                                     .width = size.width,
+                                     .height = size.height}};
+  const auto& k = stated.distortion;
+  const std::size_t known = std::min(k.size(), camera.distortion.size());
+  const bool has_more = std::any_of(k.begin() + static_cast<std::ptrdiff_t>(known), k.end(),
+                                    [](double value) { return value != 0; });
+  if ((!k.empty() && k.size() < 4) || has_more)
+    fail_camera(file, fmt::format("distortion [{}] is not of the form k1 k2 p1 p2 [k3]; other "
+                                  "models are not supported",
+                                  fmt::join(k, ", ")));
+  std::copy_n(k.begin(), known, camera.distortion.begin());
+  check_values(file, camera);
+  return camera;
+}
+
+std::string camera_to_toml(const DistortedCamera& camera) {
+  const Camera& pinhole = camera.pinhole;
+  return fmt::format(
+      "# Pinhole camera, pixel centres at integers; distortion k1 k2 p1 p2 k3 as OpenCV has it.\n"
+      "width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\ndistortion = [{}]\n",
+      pinhole.width, pinhole.height, pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy,
+      fmt::join(camera.distortion, ", "));
+}
+
+}  // namespace edvo

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/camera_choice.hpp"
+
+#include "edvo/io/camera_preset.hpp"
+#include "support/error_matcher.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace edvo {
+namespace {
+
+using testing::HasSubstr;
+
+std::string preset_name(const char* name) {
+  const auto preset = camera_preset(name);
+  return preset ? preset->name : "";
+}
+
+Dataset dataset_in(const std::filesystem::path& root, const std::string& name) {
+  Dataset dataset;
+  dataset.name = name;
+  dataset.source = dataset.root = root;
+  dataset.image_size = {640, 480};
+  return dataset;
+}
+
+TEST(CameraPreset, IsKnownByTheNamesThatPeopleUse) {
+  for (const char* const name : {"rgbd_dataset_freiburg1_xyz", "fr1", "fr1_desk", "tum-FR1-room"})
+    EXPECT_EQ(preset_name(name), "TUM freiburg1") << name;
+  for (const char* const name : {"rgbd_dataset_freiburg2_desk", "fr2", "tum_fr2_coke"})
+    EXPECT_EQ(preset_name(name), "TUM freiburg2") << name;
+  for (const char* const name : {"rgbd_dataset_freiburg3_long_office_household", "fr3_office"})
+    EXPECT_EQ(preset_name(name), "TUM freiburg3") << name;
+  for (const char* const name :
+       {"living_room_traj0_frei_png", "living_room_traj2n_frei_png", "office_traj1_frei_png",
+        "traj0_frei_png", "icl", "ICL-NUIM", "lr_kt0", "of_kt3", "livingroom_kt1"})
+    EXPECT_EQ(preset_name(name), "ICL-NUIM") << name;
+}
+
+TEST(CameraPreset, IsNotReadIntoOtherNames) {
+  for (const char* const name : {"", "desk", "fr4", "fr10_x", "bfr1", "particle", "bicycle",
+                                 "my_office", "living_room", "office0", "proof_kt1"})
+    EXPECT_EQ(preset_name(name), "") << name;
+}
+
+TEST(CameraPreset, HasThePublishedNumbers) {
+  const auto fr1 = camera_preset("fr1");
+  EXPECT_EQ(fr1->camera.pinhole.fx, 517.306408);
+  EXPECT_EQ(fr1->camera.distortion[4], 1.163314);
+  EXPECT_EQ(fr1->depth_scale, 5000);
+  EXPECT_FALSE(is_distorted(camera_preset("fr3")->camera));
+  EXPECT_EQ(camera_preset("icl")->camera.pinhole.fy, -480);
+}
+
+TEST(CameraChoice, PrefersTheGivenFileThenTheFoldersThenThePreset) {
+  const test::TemporaryFolder folder;
+  const Dataset dataset = dataset_in(folder.path(), "fr2_desk");
+  EXPECT_EQ(choose_camera(dataset).camera.pinhole.fx, 520.908620);
+  EXPECT_THAT(choose_camera(dataset).source, HasSubstr("TUM freiburg2, 'fr2' in the name"));
+
+  folder.write("calibration.txt", "600 600 320 240\n");
+  EXPECT_EQ(choose_camera(dataset).camera.pinhole.fx, 600);
+  EXPECT_THAT(choose_camera(dataset).source, HasSubstr("calibration.txt, which is in the folder"));
+
+  const auto given = folder.write("own", "700 700 320 240\n");
+  EXPECT_EQ(choose_camera(dataset, given).camera.pinhole.fx, 700);
+  EXPECT_THAT(choose_camera(dataset, given).source, HasSubstr("own, as given"));
+}
+
+TEST(CameraChoice, KnowsIclNuimByItsGroundTruth) {
+  const test::TemporaryFolder folder;
+  Dataset dataset = dataset_in(folder.path(), "mine");
+  dataset.ground_truth = folder.path() / "livingRoom0.gt.freiburg";
+  EXPECT_THAT(choose_camera(dataset).source, HasSubstr("ICL-NUIM, by its file livingRoom0"));
+}
+
+TEST(CameraChoice, KnowsALinkByTheNameOfItsTarget) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "rgbd_dataset_freiburg3_x");
+  std::filesystem::create_symlink("rgbd_dataset_freiburg3_x", folder.path() / "latest");
+  EXPECT_EQ(choose_camera(dataset_in(folder.path() / "latest", "latest")).camera.pinhole.fx, 535.4);
+}
+
+TEST(CameraChoice, AnUnknownCameraIsAnErrorThatTellsWhatToDo) {
+  const test::TemporaryFolder folder;
+  EXPECT_TRUE(test::fails_with(ErrorCode::kCalibration,
+                               {"not known", "--camera FILE", "fx fy cx cy", "camera.toml", "fr1"},
+                               [&] { (void)choose_camera(dataset_in(folder.path(), "mine")); }));
+}
+
+TEST(CameraChoice, APresetForImagesOfAnotherSizeIsNotTaken) {
+  const test::TemporaryFolder folder;
+  Dataset dataset = dataset_in(folder.path(), "fr1_half");
+  dataset.image_size = {320, 240};
+  EXPECT_TRUE(test::fails_with(ErrorCode::kCalibration,
+                               {"TUM freiburg1", "640 x 480", "320 x 240", "--camera"},
+                               [&] { (void)choose_camera(dataset); }));
+}
+
+}  // namespace
+}  // namespace edvo

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/camera_file.hpp"
+
+#include "support/error_matcher.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+using test::fails_with;
+using test::TemporaryFolder;
+
+const cv::Size kVga{640, 480};
+
+DistortedCamera read(const std::string& text, cv::Size size = kVga) {
+  const TemporaryFolder folder;
+  return read_camera(folder.write("camera", text), size);
+}
+
+testing::AssertionResult refuses(std::initializer_list<std::string> parts, const std::string& text,
+                                 cv::Size size = kVga) {
+  return fails_with(ErrorCode::kCalibration, parts, [&] { (void)read(text, size); });
+}
+
+// The camera that the examples below all describe.
+void expect_example(const DistortedCamera& camera) {
+  EXPECT_EQ(camera.pinhole.fx, 517.3);
+  EXPECT_EQ(camera.pinhole.fy, 516.5);
+  EXPECT_EQ(camera.pinhole.cx, 318.6);
+  EXPECT_EQ(camera.pinhole.cy, 255.3);
+  EXPECT_EQ(camera.pinhole.width, 640);
+  EXPECT_EQ(camera.pinhole.height, 480);
+  EXPECT_EQ(camera.distortion, (std::array{0.26, -0.95, -0.005, 0.002, 1.16}));
+}
+
+constexpr const char* kToml =
+    "# a comment\nfx = 517.3\nfy = 516.5\ncx = 318.6\ncy = 255.3\n"
+    "distortion = [0.26, -0.95, -0.005, 0.002, 1.16]\n";
+
+constexpr const char* kOpenCv =
+    "%YAML:1.0\n---\ncalibration_time: \"Mon 01 Jan 2024\"\nimage_width: 640\nimage_height: 480\n"
+    "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+    "   data: [ 5.1730000000000001e+02, 0., 3.186e+02, 0.,\n       516.5, 255.3, 0., 0., 1. ]\n"
+    "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+    "   data: [ 0.26, -0.95, -0.005, 0.002, 1.16 ]\n";
+
+constexpr const char* kRos =
+    "image_width: 640\nimage_height: 480\ncamera_name: kinect\ncamera_matrix:\n  rows: 3\n"
+    "  cols: 3\n  data: [517.3, 0, 318.6, 0, 516.5, 255.3, 0, 0, 1]\n"
+    "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n"
+    "  data: [0.26, -0.95, -0.005, 0.002, 1.16]\nrectification_matrix:\n  rows: 3\n  cols: 3\n"
+    "  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+
+constexpr const char* kRosEcho =
+    "header:\n  seq: 1\n  frame_id: \"cam\"\nheight: 480\nwidth: 640\n"
+    "distortion_model: \"plumb_bob\"\nD: [0.26, -0.95, -0.005, 0.002, 1.16]\n"
+    "K: [517.3, 0.0, 318.6, 0.0, 516.5, 255.3, 0.0, 0.0, 1.0]\n---\nheader:\n  seq: 2\n";
+
+constexpr const char* kKalibr =
+    "cam0:\n  cam_overlaps: [1]\n  camera_model: pinhole\n"
+    "  distortion_coeffs: [0.26, -0.95, -0.005, 0.002]\n  distortion_model: radtan\n"
+    "  intrinsics: [517.3, 516.5, 318.6, 255.3]\n  resolution: [640, 480]\n  rostopic: /cam0\n"
+    "cam1:\n  camera_model: omni\n";
+
+TEST(CameraFile, ReadsEveryFormatByItsContent) {
+  expect_example(read(kToml));
+  expect_example(read(kOpenCv));
+  expect_example(read(kRos));
+  expect_example(read(kRosEcho));
+  expect_example(read("517.3 516.5 318.6 255.3 0.26 -0.95 -0.005 0.002 1.16\n"));
+  expect_example(read("# fx fy cx cy\r\n517.3, +516.5, 318.6, 255.3\r\n.26 -.95 -5e-3 2e-3 1.16"));
+  expect_example(read("\xef\xbb\xbf" + std::string(kToml)));
+  expect_example(
+      read("%YAML:1.0\n\nCamera.type: \"PinHole\"\nCamera.fx: 517.3\nCamera.fy: 516.5\n"
+           "Camera.cx: 318.6\nCamera.cy: 255.3\nCamera.k1: 0.26\nCamera.k2: -0.95\n"
+           "Camera.p1: -0.005\nCamera.p2: 0.002\nCamera.k3: 1.16\nCamera.width: 640\n"
+           "Camera.height: 480\nDepthMapFactor: 5000.0\n"));
+}
+
+TEST(CameraFile, ReadsTheFirstCameraOfAKalibrChain) {
+  const DistortedCamera camera = read(kKalibr);
+  EXPECT_EQ(camera.pinhole.fx, 517.3);
+  EXPECT_EQ(camera.pinhole.cy, 255.3);
+  EXPECT_EQ(camera.distortion, (std::array{0.26, -0.95, -0.005, 0.002, 0.0}));
+}
+
+TEST(CameraFile, ReadsAMatrixOfNumbers) {
+  const DistortedCamera camera = read("585 0 320\n0 586 240\n0 0 1\n");
+  EXPECT_EQ(camera.pinhole.fx, 585);
+  EXPECT_EQ(camera.pinhole.fy, 586);
+  EXPECT_EQ(camera.pinhole.cx, 320);
+  EXPECT_EQ(camera.pinhole.cy, 240);
+}
+
+TEST(CameraFile, ANegativeFyIsKept) {
+  EXPECT_EQ(read("481.2 -480 319.5 239.5").pinhole.fy, -480);
+}
+
+TEST(CameraFile, TomlGivesTheSameCameraBack) {
+  const DistortedCamera camera{.pinhole = {517.306408, -480.1 / 3, 1.0 / 3, 239.5, 640, 480},
+                               .distortion = {0.1 + 0.2, 1e-17, -0.953104, 0, 1e5}};
+  const DistortedCamera back = read(camera_to_toml(camera), {});
+  EXPECT_EQ(back.pinhole.fx, camera.pinhole.fx);
+  EXPECT_EQ(back.pinhole.fy, camera.pinhole.fy);
+  EXPECT_EQ(back.pinhole.cx, camera.pinhole.cx);
+  EXPECT_EQ(back.pinhole.cy, camera.pinhole.cy);
+  EXPECT_EQ(back.pinhole.width, 640);
+  EXPECT_EQ(back.pinhole.height, 480);
+  EXPECT_EQ(back.distortion, camera.distortion);
+}
+
+TEST(CameraFile, AnotherImageSizeIsRefusedWithBoth) {
+  EXPECT_TRUE(refuses({"640 x 480", "320 x 240"}, kOpenCv, {320, 240}));
+  EXPECT_TRUE(refuses({"640 x 480", "320 x 240"}, kKalibr, {320, 240}));
+}
+
+TEST(CameraFile, SomeoneMustSayTheImageSize) {
+  EXPECT_EQ(read(kOpenCv, {}).pinhole.width, 640);
+  EXPECT_TRUE(refuses({"size of the images"}, kToml, {}));
+}
+
+TEST(CameraFile, OtherModelsAreRefusedByName) {
+  EXPECT_TRUE(refuses({"camera model 'omni'"},
+                      "cam0:\n  camera_model: omni\n  intrinsics: [1, 517, 517, 320, 240]\n"));
+  EXPECT_TRUE(refuses({"distortion model 'equidistant'", "radtan"},
+                      "cam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n"
+                      "  intrinsics: [517, 517, 320, 240]\n"));
+  EXPECT_TRUE(refuses({"distortion model 'equidistant'", "plumb_bob"},
+                      "distortion_model: equidistant\nK: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n"));
+  EXPECT_TRUE(
+      refuses({"camera type 'KannalaBrandt8'"}, "Camera.type: KannalaBrandt8\nCamera.fx: 517\n"));
+}
+
+TEST(CameraFile, MoreThanFiveCoefficientsMustBeZero) {
+  const std::string matrix = "K: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n";
+  EXPECT_EQ(read(matrix + "D: [0.1, 0, 0, 0, 0.5, 0, 0, 0]\n").distortion[4], 0.5);
+  EXPECT_TRUE(refuses({"k1 k2 p1 p2"}, matrix + "D: [0.1, 0, 0, 0, 0.5, 0, 0, 0.1]\n"));
+  EXPECT_TRUE(refuses({"k1 k2 p1 p2"}, matrix + "D: [0.1]\n"));
+}
+
+TEST(CameraFile, NumbersThatCannotBeRightAreRefusedByName) {
+  EXPECT_TRUE(refuses({"fx = 0"}, "0 517 320 240"));
+  EXPECT_TRUE(refuses({"fx = -517"}, "-517 517 320 240"));
+  EXPECT_TRUE(refuses({"fy = 0"}, "517 0 320 240"));
+  EXPECT_TRUE(refuses({"fx = 0.8", "focal length in pixels"}, "0.8 0.8 0.5 0.5"));
+  EXPECT_TRUE(refuses({"fx = nan"}, "nan 517 320 240"));
+  EXPECT_TRUE(refuses({"fy = inf"}, "517 inf 320 240"));
+  EXPECT_TRUE(refuses({"cx = 1200", "640 x 480"}, "517 517 1200 240"));
+  EXPECT_TRUE(refuses({"cy = -400"}, "517 517 320 -400"));
+  EXPECT_TRUE(refuses({"distortion coefficient = nan"}, "517 517 320 240 0 nan 0 0"));
+  EXPECT_TRUE(refuses({"fx = nan"}, "K: [.nan, 0, 320, 0, 517, 240, 0, 0, 1]\n"));
+}
+
+TEST(CameraFile, AMatrixOfAnotherFormIsRefused) {
+  EXPECT_TRUE(refuses({"has 4 numbers"}, "K: [517, 517, 320, 240]\n"));
+  EXPECT_TRUE(refuses({"not of the form"}, "K: [517, 3, 320, 0, 517, 240, 0, 0, 1]\n"));
+  EXPECT_TRUE(refuses({"4, 8 or 9 numbers, got 3"}, "517 320 240"));
+}
+
+TEST(CameraFile, TomlErrorsNameLineAndKey) {
+  EXPECT_TRUE(refuses({"fy is missing"}, "fx = 517.3\ncx = 1\ncy = 1\n"));
+  EXPECT_TRUE(refuses({"camera:2: ", "'fz'"}, "fx = 517\nfz = 1\nfy = 517\ncx = 320\ncy = 240\n"));
+  EXPECT_TRUE(refuses({"camera:1: fx must be a number"}, "fx = \"517\"\nfy = 517\n"));
+  EXPECT_TRUE(refuses({"camera:2: "}, "fx = 517\nfy = = 3\n"));
+  EXPECT_TRUE(refuses({"width = 640.5"}, std::string(kToml) + "width = 640.5\nheight = 480\n"));
+  EXPECT_TRUE(refuses({"distortion must be"}, "fx=517\nfy=517\ncx=320\ncy=240\ndistortion=1\n"));
+}
+
+TEST(CameraFile, WhatIsNoCalibrationIsRefused) {
+  EXPECT_TRUE(refuses({"empty"}, ""));
+  EXPECT_TRUE(refuses({"empty"}, "# nothing\n\n"));
+  EXPECT_TRUE(refuses({"XML"}, "<?xml version=\"1.0\"?>\n<opencv_storage>\n"));
+  EXPECT_TRUE(refuses({"no camera found"}, "hello\n"));
+  EXPECT_TRUE(refuses({"no camera found"}, "a: 1\n"));
+  EXPECT_TRUE(refuses({"no camera found"}, std::string("\0\x01\x02", 3)));
+  EXPECT_TRUE(refuses({"camera:2"}, "K: [1, 2\nD: ]\n"));
+  EXPECT_TRUE(refuses({"camera"}, std::string(100'000, '[')));
+  EXPECT_TRUE(refuses({"line 2", "list of numbers"}, "width: 640\nK: 3\n"));
+  EXPECT_TRUE(refuses({"camera:1"}, "K: [a, 0, 320, 0, 517, 240, 0, 0, 1]\n"));
+  EXPECT_TRUE(refuses({"Camera.fy is missing"}, "Camera.fx: 517\n"));
+  EXPECT_TRUE(fails_with(ErrorCode::kCalibration, {"/nowhere/camera.toml: no such file"},
+                         [] { (void)read_camera("/nowhere/camera.toml", kVga); }));
+}
+
+}  // namespace
+}  // namespace edvo
