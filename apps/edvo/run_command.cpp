@@ -103,7 +103,7 @@ RunDescription describe(const Dataset& dataset, const ChosenCamera& chosen, cons
       .sequence = dataset.name,
       .source = dataset.source.string(),
       .command = this_command(),
-      .method = arguments.run.method,
+      .method = method_name(arguments.run),
       .config = to_toml(config),
       .camera = chosen.camera,
       .camera_origin = chosen.origin,
@@ -119,7 +119,6 @@ void show_choices(const RunDescription& run, const Dataset& dataset, bool quiet)
   if (!quiet) {
     fmt::print(stderr, "sequence  {}: {}, {} frames\n", run.source, dataset.layout, run.frames);
     fmt::print(stderr, "camera    {}\n", run.camera_origin);
-    fmt::print(stderr, "depth     {}\n", run.depth_origin);
     fmt::print(stderr, "method    {}\n", run.method);
     for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
   }
@@ -127,7 +126,7 @@ void show_choices(const RunDescription& run, const Dataset& dataset, bool quiet)
 }
 
 void run(const Arguments& arguments) {
-  const Config config = resolve_config(arguments.run);
+  const Config config = resolve_config(arguments.run.config);
   const Dataset dataset = open_dataset(arguments.sequence, {.depth_scale = arguments.depth_scale});
   const ChosenCamera camera = choose_camera(dataset, arguments);
   check_size(camera, dataset);

@@ -1,46 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "run_options.hpp"
 
-#include "edvo/core/did_you_mean.hpp"
-#include "edvo/core/error.hpp"
-#include "edvo/io/file.hpp"
-
-#include <fmt/format.h>
-
 namespace edvo::app {
-namespace {
-
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const auto& [method, name] : EnumNames<Method>::names) names.emplace_back(name);
-  return names;
-}
-
-Method method_named(const std::string& wanted) {
-  for (const auto& [method, name] : EnumNames<Method>::names)
-    if (name == wanted) return method;
-  const std::vector<std::string> names = method_names();
-  throw Error(ErrorCode::kUsage, fmt::format("--method {}: no such method{}; there are {}", wanted,
-                                             did_you_mean(wanted, names), fmt::join(names, ", ")));
-}
-
-}  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   constexpr int kMostThreads = 256;
-  command
-      .add_option("--method", options.method,
-                  fmt::format("One of {}", fmt::join(method_names(), ", ")))
-      ->type_name("NAME")
-      ->capture_default_str();
-  command
-      .add_option("--config", options.config_file, "Options to put over the method's own (TOML)")
-      ->type_name("FILE");
-  command
-      .add_option("--set", options.assignments,
-                  "One option, over those of the file; may be repeated (see `edvo config`)")
-      ->type_name("GROUP.FIELD=VALUE")
-      ->allow_extra_args(false);
+  add_config_flags(command, options.config);
   command
       .add_option("-o,--output", options.output,
                   "Folder for the results, default runs/<sequence>/<UTC time>")
@@ -56,13 +21,9 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag("--profile", options.profile, "Print where the time went, stage by stage");
 }
 
-Config resolve_config(const RunOptions& options) {
-  Config config = preset(method_named(options.method));
-  if (!options.config_file.empty())
-    config = config_from_toml(read_file(options.config_file), options.config_file, config);
-  for (const std::string& assignment : options.assignments) set_option(config, assignment);
-  check(config);
-  return config;
+std::string method_name(const RunOptions& options) {
+  return options.config.method.empty() ? std::string(name_of(kDefaultMethod))
+                                       : options.config.method;
 }
 
 }  // namespace edvo::app

@@ -2,20 +2,17 @@
 // What `edvo run` and `edvo demo` share on the command line.
 #pragma once
 
-#include "edvo/odometry/config.hpp"
+#include "config_flags.hpp"
 
 #include <CLI/CLI.hpp>
 
 #include <string>
-#include <vector>
 
 namespace edvo::app {
 
 struct RunOptions {
-  std::string method = "canny+corner";
-  std::string config_file;               // empty = the method's own options
-  std::vector<std::string> assignments;  // group.field=value
-  std::string output;                    // folder, empty = runs/<sequence>/<UTC stamp>
+  ConfigFlags config;
+  std::string output;  // folder, empty = runs/<sequence>/<UTC stamp>
   bool force = false;
   int threads = 2;  // one of them reads ahead if there are two or more
   bool json = false;
@@ -26,7 +23,7 @@ struct RunOptions {
 
 void add_run_options(CLI::App& command, RunOptions& options);
 
-// The method's preset, then the file, then the assignments. Throws Error(kUsage, kConfig, kInput).
-[[nodiscard]] Config resolve_config(const RunOptions& options);
+// The method's name, also where it was left to the default.
+[[nodiscard]] std::string method_name(const RunOptions& options);
 
 }  // namespace edvo::app

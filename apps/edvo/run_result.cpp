@@ -57,9 +57,10 @@ void print_errors(const RunEvaluation& evaluation) {
 }
 
 void print_profile(const RunSummary& summary) {
-  fmt::print("\n{:<12} {:>9} {:>9} {:>9}\n", "stage [ms]", "median", "p95", "p99");
-  const auto print_row = [](std::string_view name, const Percentiles& ms) {
-    fmt::print("{:<12} {:>9.3f} {:>9.3f} {:>9.3f}\n", name, ms.median, ms.p95, ms.p99);
+  fmt::print("\n{:<12} {:>9} {:>9} {:>9} {:>9}\n", "stage [ms]", "mean", "median", "p95", "p99");
+  const auto print_row = [](std::string_view name, const TimeStatistics& ms) {
+    fmt::print("{:<12} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f}\n", name, ms.mean, ms.median, ms.p95,
+               ms.p99);
   };
   for (std::size_t i = 0; i < kStages.size(); ++i)
     print_row(kStages[i].name, summary.stage_milliseconds[i]);

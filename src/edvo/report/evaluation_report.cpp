@@ -280,8 +280,8 @@ Plot rpe_rotation_plot(std::span<const NamedEvaluation> evaluations) {
 std::vector<std::string> evo_commands(const std::string& truth_file, const NamedEvaluation& named) {
   const EvalOptions& options = named.evaluation.options;
   std::string common = fmt::format("tum {} {}", shell_quoted(truth_file), shell_quoted(named.file));
-  if (options.alignment == Alignment::kSe3) common += " -a";
-  if (options.alignment == Alignment::kSim3) common += " -as";
+  if (options.alignment == AlignmentKind::kSe3) common += " -a";
+  if (options.alignment == AlignmentKind::kSim3) common += " -as";
   common += fmt::format(" --t_max_diff {}", options.association.max_difference);
   if (options.association.offset != 0)
     common += fmt::format(" --t_offset {}", options.association.offset);

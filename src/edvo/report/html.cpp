@@ -98,11 +98,12 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
   const std::optional<double> drift =
       summary.evaluation ? summary.evaluation->final_poses.drift : std::nullopt;
-  tiles.push_back({.name = "Path",
-                   .value = fmt::format("{:.2f}", summary.path_length),
-                   .unit = "m",
-                   .more = fmt::format("in {:.1f} s", seconds) +
-                           (drift ? fmt::format("<br>{:.2f} % drift at its end", *drift) : "")});
+  tiles.push_back(
+      {.name = "Path",
+       .value = fmt::format("{:.2f}", summary.path_length),
+       .unit = "m",
+       .more = fmt::format("in {:.1f} s", seconds) +
+               (drift ? fmt::format("<br>{:.2f} % drift at its end", drift.value_or(0)) : "")});
   std::string html = "<section class=\"tiles\">\n";
   for (const Tile& tile : tiles) html += to_html(tile);
   return html + "</section>\n";
@@ -194,7 +195,6 @@ std::string facts_card(const RunSummary& summary) {
   if (is_distorted(run.camera))
     table += row("distortion",
                  fmt::format("k1 k2 p1 p2 k3 = {}", fmt::join(run.camera.distortion, " ")));
-  table += row("depth", run.depth_origin);
   if (summary.evaluation) {
     table += row("ground truth", summary.evaluation->ground_truth);
     table += row("protocol", summary.evaluation->protocol);
@@ -206,11 +206,11 @@ std::string facts_card(const RunSummary& summary) {
 }
 
 std::string stage_row(const std::string& swatch, std::string_view name,
-                      const Percentiles& percentiles) {
+                      const TimeStatistics& times) {
   return fmt::format(
       "<tr><td>{}{}</td><td class=\"number\">{:.2f}</td><td class=\"number\">{:.2f}</td>"
-      "<td class=\"number\">{:.2f}</td></tr>\n",
-      swatch, name, percentiles.median, percentiles.p95, percentiles.p99);
+      "<td class=\"number\">{:.2f}</td><td class=\"number\">{:.2f}</td></tr>\n",
+      swatch, name, times.mean, times.median, times.p95, times.p99);
 }
 
 std::string machine_card(const RunSummary& summary) {
@@ -222,7 +222,8 @@ std::string machine_card(const RunSummary& summary) {
   stages += stage_row("", "whole frame", summary.total_milliseconds);
   const Machine& machine = summary.machine;
   return "<section class=\"card\"><h2>Time per frame and the machine</h2><table><thead><tr>"
-         "<th>stage [ms]</th><th class=\"number\">median</th><th class=\"number\">95 %</th>"
+         "<th>stage [ms]</th><th class=\"number\">mean</th><th class=\"number\">median</th><th "
+         "class=\"number\">95 %</th>"
          "<th class=\"number\">99 %</th></tr></thead><tbody>" +
          stages + "</tbody></table><table style=\"margin-top:12px\">" +
          row("processor",
@@ -259,9 +260,8 @@ std::string to_html(const RunSummary& summary, const RunLog& log, const RunOutco
       "<title>{} · edvo</title>\n<style>{}</style></head>\n<body><main>\n",
       escape_markup(summary.run.sequence), kReportStyle);
   html += header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
-  html += plots_section(summary, log, outcome);
-  html += "<div class=\"grid\">" + facts_card(summary) + machine_card(summary) + "</div>\n";
-  html += "<div class=\"wide\">" + keyframes_card(log) + "</div>\n" + reproduce_section(summary);
+  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + keyframes_card(log) +
+          facts_card(summary) + machine_card(summary) + "</div>\n" + reproduce_section(summary);
   html += fmt::format(
       "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">{}</script>\n"
       "<script>{}</script></body></html>\n",

@@ -33,7 +33,7 @@ p { margin: 0; }
   white-space: nowrap;
 }
 .badge.bad { color: var(--bad); }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(172px, 1fr)); gap: 12px; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(230px, 1fr)); gap: 12px; }
 .tile, .card { background: var(--card); border: 1px solid var(--line); border-radius: 10px; }
 .tile { padding: 12px 16px 11px; }
 .tile .name { font-size: 13px; color: var(--soft); }
@@ -56,7 +56,7 @@ ul { margin: 4px 0 0; padding-left: 20px; }
 li { overflow-wrap: anywhere; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px;
   width: 100%; }
-th { text-align: left; color: var(--soft); font-weight: 500; }
+th { text-align: left; color: var(--soft); font-weight: 500; white-space: nowrap; }
 th, td { padding: 4px 14px 4px 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 tr:last-child > * { border-bottom: 0; }
 .number { text-align: right; white-space: nowrap; }

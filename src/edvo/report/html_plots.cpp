@@ -252,7 +252,7 @@ Figure time_figure(const RunLog& log, const Timeline& timeline) {
 
 }  // namespace
 
-std::string plots_section(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
+std::string plots_of(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
   const Timeline timeline = make_timeline(log);
   std::vector<Figure> figures = {map_figure(kTopView, summary, outcome, timeline),
                                  map_figure(kSideView, summary, outcome, timeline)};
@@ -261,9 +261,9 @@ std::string plots_section(const RunSummary& summary, const RunLog& log, const Ru
       figures.push_back(std::move(figure));
   figures.push_back(quality_figure(log, timeline));
   figures.push_back(time_figure(log, timeline));
-  std::string html = "<div class=\"grid\">\n";
+  std::string html;
   for (const Figure& figure : figures) html += to_html(figure);
-  return html + "</div>\n";
+  return html;
 }
 
 std::string route_of(const RunLog& log, const Trajectory& trajectory) {

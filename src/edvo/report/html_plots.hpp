@@ -15,8 +15,8 @@ inline constexpr std::array<std::string_view, 6> kStageColors = {"#56b4e9", "#00
                                                                  "#e69f00", "#0072b2", "#cc79a7"};
 
 // Maps, errors, tracking quality and times, each a figure with its caption.
-[[nodiscard]] std::string plots_section(const RunSummary& summary, const RunLog& log,
-                                        const RunOutcome& outcome);
+[[nodiscard]] std::string plots_of(const RunSummary& summary, const RunLog& log,
+                                   const RunOutcome& outcome);
 
 // Where the camera was when, thinned, for the script of the page: a JSON array of
 // [s since the first frame, frame, x, y, z].

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 namespace edvo {
 namespace {
@@ -67,10 +68,11 @@ Json stage_times(const StageTimes& times) {
   return object;
 }
 
-Json to_json(const Percentiles& percentiles) {
-  return {{"median", number(percentiles.median, kMillisecondDecimals)},
-          {"p95", number(percentiles.p95, kMillisecondDecimals)},
-          {"p99", number(percentiles.p99, kMillisecondDecimals)}};
+Json to_json(const TimeStatistics& times) {
+  return {{"mean", number(times.mean, kMillisecondDecimals)},
+          {"median", number(times.median, kMillisecondDecimals)},
+          {"p95", number(times.p95, kMillisecondDecimals)},
+          {"p99", number(times.p99, kMillisecondDecimals)}};
 }
 
 Json to_json(const Machine& machine) {
@@ -123,11 +125,13 @@ Json to_json(const RunEvaluation& evaluation) {
 }
 
 template <typename Value>
-Percentiles percentiles_of(const std::vector<FrameRecord>& frames, Value&& value) {
+TimeStatistics statistics_of(const std::vector<FrameRecord>& frames, Value&& value) {
   std::vector<double> values;
   values.reserve(frames.size());
   for (const FrameRecord& frame : frames) values.push_back(value(frame));
-  return {.median = quantile(values, 0.5),
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return {.mean = sum / static_cast<double>(std::max<std::size_t>(1, values.size())),
+          .median = quantile(values, 0.5),
           .p95 = quantile(values, 0.95),
           .p99 = quantile(values, 0.99)};
 }
@@ -193,10 +197,10 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
   const auto due = static_cast<double>(log.frames.size() + log.skipped.size());
   if (due > 0) summary.coverage = static_cast<double>(summary.tracked) / due;
   for (const Stage& stage : kStages)
-    summary.stage_milliseconds.push_back(percentiles_of(
+    summary.stage_milliseconds.push_back(statistics_of(
         log.frames, [&](const FrameRecord& frame) { return frame.milliseconds.*stage.time; }));
   summary.total_milliseconds =
-      percentiles_of(log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
+      statistics_of(log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
   return summary;
 }
 

@@ -106,8 +106,9 @@ struct RunOutcome {
   bool interrupted = false;
 };
 
-struct Percentiles {
-  double median = 0, p95 = 0, p99 = 0;
+// Over all frames, also those in which the stage had nothing to do. [ms]
+struct TimeStatistics {
+  double mean = 0, median = 0, p95 = 0, p99 = 0;
 };
 
 struct RunSummary {
@@ -125,8 +126,8 @@ struct RunSummary {
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;
   double coverage = 0;  // [0..1] frames with a pose, of those that were due so far
-  std::vector<Percentiles> stage_milliseconds = {};  // one per stage of kStages
-  Percentiles total_milliseconds = {};               // of a whole frame, reading it excluded
+  std::vector<TimeStatistics> stage_milliseconds = {};  // one per stage of kStages
+  TimeStatistics total_milliseconds = {};               // of a whole frame, reading it excluded
 };
 
 [[nodiscard]] RunSummary summarize(const RunDescription& run, const RunLog& log,
