@@ -3,14 +3,17 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/io/camera_preset.hpp"
+#include "edvo/io/camera_choice.hpp"
 #include "edvo/io/dataset.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "run_loop.hpp"
+#include "stop_signal.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 namespace edvo::app {
@@ -18,37 +21,12 @@ namespace {
 
 struct Arguments {
   std::string sequence;
-  std::string camera_file;  // empty = by the sequence's name
+  std::optional<std::filesystem::path> camera_file;  // none = as the sequence tells
   std::optional<double> depth_scale;
   std::int64_t first = 0;
   std::int64_t max_frames = 0;  // 0 = all
   RunOptions run;
 };
-
-struct ChosenCamera {
-  DistortedCamera camera;
-  std::string origin;
-};
-
-ChosenCamera choose_camera(const Dataset& dataset, const Arguments&) {
-  if (const auto preset = camera_preset(dataset))
-    return {preset->camera, fmt::format("{}, {}", preset->name, preset->recognised)};
-  throw Error(ErrorCode::kCalibration,
-              fmt::format("{}: no camera is known for this sequence; give its calibration with "
-                          "--camera FILE",
-                          dataset.source.string()));
-}
-
-void check_size(const ChosenCamera& chosen, const Dataset& dataset) {
-  const Camera& camera = chosen.camera.pinhole;
-  if (camera.width == dataset.image_size.width && camera.height == dataset.image_size.height)
-    return;
-  throw Error(ErrorCode::kCalibration,
-              fmt::format("{}: images of {} x {} px, but the camera ({}) has {} x {} px; give the "
-                          "calibration of these images with --camera FILE",
-                          dataset.source.string(), dataset.image_size.width,
-                          dataset.image_size.height, chosen.origin, camera.width, camera.height));
-}
 
 // The frames asked for, as [begin, end) of the data set's.
 struct FrameRange {
@@ -66,21 +44,29 @@ FrameRange choose_frames(const Dataset& dataset, const Arguments& arguments) {
   return range;
 }
 
-FrameSource frames_of(const Dataset& dataset, const FrameRange& range) {
-  return [&dataset, range, next = range.begin]() mutable -> std::optional<InputFrame> {
-    if (next == range.end) return std::nullopt;
-    const std::size_t i = next++;
-    InputFrame frame{.index = static_cast<std::int64_t>(i),
-                     .stamp = dataset.frames[i].stamp,
-                     .image = {},
-                     .problem = {}};
-    try {
-      frame.image = read_frame(dataset, i);
-    } catch (const Error& error) {
-      frame.problem = error.what();
-    }
-    return frame;
+FrameInput input_from(const Dataset& dataset, const FrameRange& range) {
+  return {
+      .count = range.end - range.begin,
+      .first_index = static_cast<std::int64_t>(range.begin),
+      .stamp_of = [&dataset,
+                   range](std::size_t i) { return dataset.frames[range.begin + i].stamp; },
+      .read = [&dataset, range](std::size_t i) { return read_frame(dataset, range.begin + i); }};
+}
+
+// Unpacking may take a while: it shows how far it is and can be stopped.
+Dataset open(const Arguments& arguments) {
+  const StopSignal signal;
+  bool shown = false;
+  const bool is_shown = !arguments.run.quiet && isatty(STDERR_FILENO) != 0;
+  const auto on_unpack = [&](double share) {
+    if (stop_requested()) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
+    if (is_shown) fmt::print(stderr, "\runpacking {:.0f} %", 100 * share);
+    shown = is_shown;
   };
+  Dataset dataset = open_dataset(arguments.sequence,
+                                 {.depth_scale = arguments.depth_scale, .on_unpack = on_unpack});
+  if (shown) fmt::print(stderr, "\r\x1b[K");
+  return dataset;
 }
 
 // A ground truth that cannot be read is no reason not to track.
@@ -106,7 +92,7 @@ RunDescription describe(const Dataset& dataset, const ChosenCamera& chosen, cons
       .method = method_name(arguments.run),
       .config = to_toml(config),
       .camera = chosen.camera,
-      .camera_origin = chosen.origin,
+      .camera_origin = chosen.source,
       .depth_scale = dataset.depth_scale.units_per_metre,
       .depth_origin = fmt::format("{} units per metre ({})", dataset.depth_scale.units_per_metre,
                                   dataset.depth_scale.source),
@@ -127,14 +113,13 @@ void show_choices(const RunDescription& run, const Dataset& dataset, bool quiet)
 
 void run(const Arguments& arguments) {
   const Config config = resolve_config(arguments.run.config);
-  const Dataset dataset = open_dataset(arguments.sequence, {.depth_scale = arguments.depth_scale});
-  const ChosenCamera camera = choose_camera(dataset, arguments);
-  check_size(camera, dataset);
+  const Dataset dataset = open(arguments);
+  const ChosenCamera camera = choose_camera(dataset, arguments.camera_file);
   const FrameRange range = choose_frames(dataset, arguments);
   RunDescription description = describe(dataset, camera, range, config, arguments);
   const std::optional<GroundTruth> truth = read_ground_truth(dataset, description.warnings);
   show_choices(description, dataset, arguments.run.quiet);
-  show_result(run_frames(frames_of(dataset, range), description, config, truth, arguments.run),
+  show_result(run_frames(input_from(dataset, range), description, config, truth, arguments.run),
               arguments.run);
 }
 

@@ -2,6 +2,7 @@
 #include "run_loop.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/io/prefetch.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
@@ -10,7 +11,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
+#include <opencv2/core/utility.hpp>
+#include <variant>
 
 namespace edvo::app {
 namespace {
@@ -23,41 +27,35 @@ fs::path make_run_folder(const RunOptions& options, const std::string& sequence)
   return options.output;
 }
 
-void skip(const InputFrame& frame, const std::string& reason, Recorder& recorder,
-          Progress& progress) {
-  recorder.append(
-      SkippedFrame{.index = frame.index, .stamp = to_string(frame.stamp), .reason = reason});
-  progress.say(fmt::format("warning: frame {} skipped: {}", frame.index, reason));
-  progress.frame_skipped();
-}
-
-// The frame tracked; none if the odometry cannot use it, with the reason.
-std::optional<FrameReport> process(Odometry& odometry, const InputFrame& frame,
-                                   std::string& problem) {
+// The frame tracked, or why there is none.
+std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame& frame) {
+  if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
-    FrameReport report = odometry.process(*frame.image);
-    report.index = frame.index;
-    return report;
+    return odometry.process(std::get<RgbdImage>(frame.content));
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kInput) throw;
-    problem = error.what();
-    return std::nullopt;
+    return error;
   }
 }
 
 // True if a signal ended it early.
-bool track_all(const FrameSource& next_frame, Odometry& odometry, Recorder& recorder,
+bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
                Progress& progress) {
   const StopSignal signal;
-  while (const std::optional<InputFrame> frame = next_frame()) {
-    std::string problem = frame->problem;
-    std::optional<FrameReport> report;
-    if (frame->image) report = process(odometry, *frame, problem);
-    if (report) {
+  while (const std::optional<FetchedFrame> frame = frames.next()) {
+    const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
+    std::variant<FrameReport, Error> result = process(odometry, *frame);
+    if (FrameReport* report = std::get_if<FrameReport>(&result)) {
+      report->index = index;
       recorder.append(*report);
       progress.frame_done(*report);
     } else {
-      skip(*frame, problem, recorder, progress);
+      const Error& error = std::get<Error>(result);
+      if (error.code() != ErrorCode::kInput) throw Error(error);
+      recorder.append(SkippedFrame{.index = index,
+                                   .stamp = to_string(input.stamp_of(frame->index)),
+                                   .reason = error.what()});
+      progress.say(fmt::format("warning: frame {} skipped: {}", index, error.what()));
+      progress.frame_skipped();
     }
     if (stop_requested()) return true;
   }
@@ -67,7 +65,7 @@ bool track_all(const FrameSource& next_frame, Odometry& odometry, Recorder& reco
 void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth, Recorder& recorder,
                    Progress& progress) {
   if (!truth) {
-    outcome.no_evaluation = "no ground truth";
+    outcome.no_evaluation = "no usable ground truth";
     return;
   }
   try {
@@ -95,16 +93,18 @@ void require_tracking(const RunResult& result) {
 
 }  // namespace
 
-RunResult run_frames(const FrameSource& next_frame, const RunDescription& description,
+RunResult run_frames(const FrameInput& input, const RunDescription& description,
                      const Config& config, const std::optional<GroundTruth>& truth,
                      const RunOptions& options) {
+  cv::setNumThreads(std::max(1, options.threads - 1));  // one thread reads ahead
   Odometry odometry(description.camera, config);
   Recorder recorder(make_run_folder(options, description.sequence), description);
   Progress progress(description.frames, options.quiet);
 
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
-  outcome.interrupted = track_all(next_frame, odometry, recorder, progress);
+  Prefetch frames(input.read, input.count, {.threads = options.threads});
+  outcome.interrupted = track_all(input, frames, odometry, recorder, progress);
   outcome.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.trajectory = odometry.trajectory();

@@ -7,6 +7,7 @@
 #include "run_evaluation.hpp"
 #include "run_options.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,16 +16,13 @@
 
 namespace edvo::app {
 
-// One frame of the input, or why it could not be read.
-struct InputFrame {
-  std::int64_t index = 0;  // in the sequence
-  Stamp stamp;
-  std::optional<RgbdImage> image;
-  std::string problem;  // where there is no image
+// Frames by their place among those asked for.
+struct FrameInput {
+  std::size_t count = 0;
+  std::int64_t first_index = 0;                // in the sequence, of frame 0
+  std::function<Stamp(std::size_t)> stamp_of;  // also of frames that cannot be read
+  std::function<RgbdImage(std::size_t)> read;  // from several threads; throws Error(kInput)
 };
-
-// The next frame; none at the end.
-using FrameSource = std::function<std::optional<InputFrame>()>;
 
 struct RunResult {
   RunSummary summary;
@@ -34,7 +32,7 @@ struct RunResult {
 // Tracks every frame until the end or a signal to stop, writes the run's folder and evaluates
 // against the ground truth if there is one. Frames that cannot be read or used are skipped and
 // counted. Throws Error(kTrackingLost), after everything is written, if no frame could be tracked.
-[[nodiscard]] RunResult run_frames(const FrameSource& next_frame, const RunDescription& description,
+[[nodiscard]] RunResult run_frames(const FrameInput& input, const RunDescription& description,
                                    const Config& config, const std::optional<GroundTruth>& truth,
                                    const RunOptions& options);
 

@@ -96,14 +96,14 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
                    .mood = summary.lost_events > 0 ? "bad" : ""});
   const double seconds =
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
-  const std::optional<double> drift =
-      summary.evaluation ? summary.evaluation->final_poses.drift : std::nullopt;
-  tiles.push_back(
-      {.name = "Path",
-       .value = fmt::format("{:.2f}", summary.path_length),
-       .unit = "m",
-       .more = fmt::format("in {:.1f} s", seconds) +
-               (drift ? fmt::format("<br>{:.2f} % drift at its end", drift.value_or(0)) : "")});
+  std::string length_and_drift = fmt::format("in {:.1f} s", seconds);
+  if (summary.evaluation && summary.evaluation->final_poses.drift)
+    length_and_drift +=
+        fmt::format("<br>{:.2f} % drift at its end", *summary.evaluation->final_poses.drift);
+  tiles.push_back({.name = "Path",
+                   .value = fmt::format("{:.2f}", summary.path_length),
+                   .unit = "m",
+                   .more = length_and_drift});
   std::string html = "<section class=\"tiles\">\n";
   for (const Tile& tile : tiles) html += to_html(tile);
   return html + "</section>\n";
