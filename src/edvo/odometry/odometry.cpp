@@ -70,16 +70,39 @@ struct Odometry::State {
       SelectOptions fewer = config.selection;
       fewer.max_points = config.window.points;
       window.push_back(make_window_keyframe(frame, world_from_camera, select_pixels(frame, mask, undistortion.valid, fewer), config.window));
-      if (static_cast<int>(window.size()) > config.window.keyframes) window.erase(window.begin());
-      refine_window(window, undistortion.camera, config.window.fixed, config.window);
-      const std::size_t first = keyframes.size() - window.size();
-      for (std::size_t k = 0; k < window.size(); ++k) keyframes[first + k].world_from_key = window[k].world_from_key;
+      refine();
     }
     times.window = watch.lap();
     last = {};
     frames_since_keyframe = 0;
     frames.back().keyframe = keyframes.size() - 1;
     frames.back().key_from_camera = {};
+  }
+
+  void refine() {
+    const std::size_t count = window.size();
+    const std::size_t recent = std::min(count, static_cast<std::size_t>(config.window.keyframes));
+    std::vector<std::pair<double, std::size_t>> candidates;
+    const std::size_t oldest = count - recent;
+    for (std::size_t k = oldest > static_cast<std::size_t>(config.window.memory) ? oldest - static_cast<std::size_t>(config.window.memory) : 0; k < oldest; ++k) {
+      window[k].image.release();
+      const double view = shared_view(window.back(), window[k], undistortion.camera);
+      if (view > 0.3) candidates.push_back({-view, k});
+    }
+    std::sort(candidates.begin(), candidates.end());
+    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(config.window.anchors)));
+    std::vector<std::size_t> members;
+    for (const auto& c : candidates) members.push_back(c.second);
+    std::sort(members.begin(), members.end());
+    const int fixed = std::max<int>(1, static_cast<int>(members.size()));
+    for (std::size_t k = oldest; k < count; ++k) members.push_back(k);
+    std::vector<WindowKeyframe> active;
+    for (const std::size_t m : members) active.push_back(std::move(window[m]));
+    refine_window(active, undistortion.camera, fixed, config.window);
+    for (std::size_t a = 0; a < members.size(); ++a) {
+      window[members[a]] = std::move(active[a]);
+      keyframes[members[a]].world_from_key = window[members[a]].world_from_key;
+    }
   }
 
   std::optional<KeyframeReason> due(const TrackResult& r) const {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 namespace edvo::synth {
@@ -48,11 +47,10 @@ Eigen::Quaterniond upright(const std::vector<SE3>& poses) {
 // Share of poses whose optical axis ends at a useful distance.
 double share_of_good_views(const Scene& scene, const std::vector<SE3>& poses,
                            const Placement& placement) {
-  std::vector<int> all(scene.solids.size());
-  std::iota(all.begin(), all.end(), 0);
   int good = 0;
   for (const SE3& pose : poses) {
-    const Hit hit = cast(view_from(scene, 0, place(placement, pose)), all, 0, 0);
+    const std::vector<SolidInView> solids = view_from(scene, 0, place(placement, pose));
+    const Hit hit = cast(solids, nearest_first(solids), RayPack{})[0];
     if (hit.depth >= kNearestView && hit.depth <= kFarthestView) ++good;
   }
   return good / static_cast<double>(poses.size());

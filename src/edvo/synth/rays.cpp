@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/synth/rays.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -37,26 +39,25 @@ Eigen::Vector2d undistort(const std::array<double, 5>& k, const Eigen::Vector2d&
   return ray;
 }
 
-Eigen::Array4f lanes(const Eigen::Vector3d& v, float fourth) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), fourth};
-}
-
-// Parameters at which a ray enters and leaves a slab-bounded box.
-struct Span {
-  float enter = 0, leave = 0;
+// Where a ray enters and leaves a box, or the infinite column of one. [m]
+struct Stay {
+  float enter = -kNothing, leave = kNothing;
 };
 
-// A direction of exactly zero would make 0/0 of a ray inside a face's plane.
-Eigen::Array4f inverse_of(const Eigen::Array4f& direction) {
-  constexpr float kTiny = 1e-20F;
-  return (direction.abs() < kTiny).select(Eigen::Array4f::Constant(1 / kTiny), direction.inverse());
-}
-
-Span box_span(const SolidInView& solid, const Eigen::Array4f& direction) {
-  const Eigen::Array4f slope = inverse_of(direction);
-  const Eigen::Array4f a = (-solid.half - solid.origin) * slope;
-  const Eigen::Array4f b = (solid.half - solid.origin) * slope;
-  return {.enter = a.min(b).maxCoeff(), .leave = a.max(b).minCoeff()};
+inline Stay stay_in_box(const SolidInView& solid, float ray_x, float ray_y) {
+  constexpr float kTiny = 1e-20F;  // instead of zero: no 0 / 0 for a ray inside a face's plane
+  Stay stay;
+  for (int axis = 0; axis < 3; ++axis) {
+    float direction =
+        solid.rotation(axis, 0) * ray_x + solid.rotation(axis, 1) * ray_y + solid.rotation(axis, 2);
+    direction = std::abs(direction) < kTiny ? kTiny : direction;
+    const float slope = 1 / direction;
+    const float a = (-solid.half[axis] - solid.origin[axis]) * slope;
+    const float b = (solid.half[axis] - solid.origin[axis]) * slope;
+    stay.enter = std::max(stay.enter, std::min(a, b));
+    stay.leave = std::min(stay.leave, std::max(a, b));
+  }
+  return stay;
 }
 
 // Nearer root of |o + t d|^2 = r^2 in the plane or in space.
@@ -67,54 +68,85 @@ float round_depth(float dd, float od, float oo_minus_rr) {
   return t > kNearest ? t : kNothing;
 }
 
-float cylinder_depth(const SolidInView& solid, const Eigen::Array4f& d) {
-  const Eigen::Array4f& o = solid.origin;
-  const float radius = solid.half[0], height = solid.half[2];
-  const float side = round_depth(d[0] * d[0] + d[1] * d[1], o[0] * d[0] + o[1] * d[1],
-                                 o[0] * o[0] + o[1] * o[1] - radius * radius);
-  if (side < kNothing && std::abs(o[2] + side * d[2]) <= height) return side;
-  const float cap = ((d[2] < 0 ? height : -height) - o[2]) / d[2];
-  const float x = o[0] + cap * d[0], y = o[1] + cap * d[1];
-  return cap > kNearest && x * x + y * y <= radius * radius ? cap : kNothing;
+float cylinder_depth(const SolidInView& solid, float ray_x, float ray_y) {
+  const Eigen::Vector3f& o = solid.origin;
+  const Eigen::Vector3f d = solid.direction(ray_x, ray_y);
+  const float radius = solid.half.x(), height = solid.half.z();
+  const float side = round_depth(d.head<2>().squaredNorm(), o.head<2>().dot(d.head<2>()),
+                                 o.head<2>().squaredNorm() - radius * radius);
+  if (side < kNothing && std::abs(o.z() + side * d.z()) <= height) return side;
+  const float cap = ((d.z() < 0 ? height : -height) - o.z()) / d.z();
+  const float away2 = (o.head<2>() + cap * d.head<2>()).squaredNorm();
+  return cap > kNearest && away2 <= radius * radius ? cap : kNothing;
 }
 
-float sphere_depth(const SolidInView& solid, const Eigen::Array4f& d) {
-  const auto dot3 = [](const Eigen::Array4f& a, const Eigen::Array4f& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  };
-  return round_depth(dot3(d, d), dot3(solid.origin, d),
-                     dot3(solid.origin, solid.origin) - solid.half[0] * solid.half[0]);
+float sphere_depth(const SolidInView& solid, float ray_x, float ray_y) {
+  const Eigen::Vector3f d = solid.direction(ray_x, ray_y);
+  return round_depth(d.squaredNorm(), solid.origin.dot(d),
+                     solid.origin.squaredNorm() - solid.half.x() * solid.half.x());
 }
 
-float depth_of(const SolidInView& solid, const Eigen::Array4f& direction) {
+using Depths = std::array<float, kPack>;  // [m]; kNothing: missed
+
+Depths depths_of(const SolidInView& solid, const RayPack& rays) {
+  Depths depths;
   switch (solid.shape) {
-    case Shape::kBox: {
-      const Span span = box_span(solid, direction);
-      return span.enter < span.leave && span.enter > kNearest ? span.enter : kNothing;
-    }
-    case Shape::kRoom: {
-      const float leave = box_span(solid, direction).leave;
-      return leave > kNearest ? leave : kNothing;
-    }
+    case Shape::kBox:
+      for (int i = 0; i < kPack; ++i) {
+        const Stay stay = stay_in_box(solid, rays.x[i], rays.y[i]);
+        depths[i] = (stay.enter < stay.leave) & (stay.enter > kNearest) ? stay.enter : kNothing;
+      }
+      break;
+    case Shape::kRoom:
+      for (int i = 0; i < kPack; ++i) {
+        const float leave = stay_in_box(solid, rays.x[i], rays.y[i]).leave;
+        depths[i] = leave > kNearest ? leave : kNothing;
+      }
+      break;
     case Shape::kSphere:
-      return sphere_depth(solid, direction);
+      for (int i = 0; i < kPack; ++i) depths[i] = sphere_depth(solid, rays.x[i], rays.y[i]);
+      break;
     case Shape::kCylinder:
-      return cylinder_depth(solid, direction);
+      for (int i = 0; i < kPack; ++i) depths[i] = cylinder_depth(solid, rays.x[i], rays.y[i]);
+      break;
   }
-  return kNothing;
+  return depths;
 }
 
-int face_of(const SolidInView& solid, const Eigen::Array4f& direction, float depth) {
+// The bounds of the rays that may meet a box: those of its corners, and where an edge dives behind
+// the camera, of the point where it does.
+void bound(SolidInView& seen, const SE3& camera_from_solid, const Eigen::Vector3d& half) {
+  std::array<Eigen::Vector3d, 8> corners;
+  for (int i = 0; i < 8; ++i)
+    corners[i] = camera_from_solid * Eigen::Vector3d{(i & 1) != 0 ? half.x() : -half.x(),
+                                                     (i & 2) != 0 ? half.y() : -half.y(),
+                                                     (i & 4) != 0 ? half.z() : -half.z()};
+  seen.nearest = kNothing;
+  const auto include = [&](const Eigen::Vector3d& point) {
+    const Eigen::Vector2d ray = point.head<2>() / point.z();
+    seen.bounds.extend(ray.cast<float>());
+  };
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d& a = corners[i];
+    seen.nearest = std::min(seen.nearest, static_cast<float>(a.z()));
+    if (a.z() >= kNearest) include(a);
+    for (const int axis : {1, 2, 4}) {
+      if ((i & axis) != 0) continue;
+      const Eigen::Vector3d& b = corners[i | axis];
+      if ((a.z() < kNearest) != (b.z() < kNearest))
+        include(a + (kNearest - a.z()) / (b.z() - a.z()) * (b - a));
+    }
+  }
+}
+
+int face_of(const SolidInView& solid, const Eigen::Vector3f& point) {
   if (solid.shape == Shape::kSphere) return kRoundFace;
-  const Eigen::Array4f point = solid.origin + direction * depth;
   if (solid.shape == Shape::kCylinder) {
-    const bool on_cap = std::abs(std::abs(point[2]) - solid.half[2]) < 1e-5F;
-    return on_cap ? (point[2] < 0 ? 4 : 5) : kRoundFace;
+    const bool on_cap = std::abs(std::abs(point.z()) - solid.half.z()) < 1e-5F;
+    return on_cap ? (point.z() < 0 ? 4 : 5) : kRoundFace;
   }
   int axis = 0;
-  const Eigen::Array4f gap = (point.abs() - solid.half).abs();
-  for (int i = 1; i < 3; ++i)
-    if (gap[i] < gap[axis]) axis = i;
+  (point.cwiseAbs() - solid.half).cwiseAbs().minCoeff(&axis);
   return 2 * axis + (point[axis] > 0 ? 1 : 0);
 }
 
@@ -139,36 +171,50 @@ std::vector<SolidInView> view_from(const Scene& scene, double seconds,
   solids.reserve(scene.solids.size());
   for (const Solid& solid : scene.solids) {
     const SE3 solid_from_camera = inverse(pose_at(solid, seconds)) * world_from_camera;
-    const Eigen::Matrix3d R = solid_from_camera.rotation.toRotationMatrix();
-    const float radius = solid.shape == Shape::kSphere ? solid.half.x() : solid.half.norm();
-    solids.push_back({.shape = solid.shape,
-                      .origin = lanes(solid_from_camera.translation, 0),
-                      .x = lanes(R.col(0), 0),
-                      .y = lanes(R.col(1), 0),
-                      .z = lanes(R.col(2), 1),
-                      .half = lanes(solid.half.cast<double>(), 1e9F),
-                      .centre = inverse(solid_from_camera).translation.cast<float>(),
-                      .radius = radius});
+    SolidInView seen{.shape = solid.shape,
+                     .half = solid.half,
+                     .origin = solid_from_camera.translation.cast<float>(),
+                     .rotation = solid_from_camera.rotation.toRotationMatrix().cast<float>(),
+                     .bounds = {}};
+    bound(seen, inverse(solid_from_camera), solid.half.cast<double>());
+    solids.push_back(seen);
   }
   return solids;
 }
 
-Hit cast(std::span<const SolidInView> solids, std::span<const int> candidates, float ray_x,
-         float ray_y) {
-  Hit hit{.depth = kNothing};
+std::vector<int> nearest_first(std::span<const SolidInView> solids) {
+  std::vector<int> order;
+  for (int i = 0; i < static_cast<int>(solids.size()); ++i)
+    if (!solids[i].bounds.isEmpty()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return solids[a].nearest < solids[b].nearest; });
+  return order;
+}
+
+std::array<Hit, kPack> cast(std::span<const SolidInView> solids, std::span<const int> candidates,
+                            const RayPack& rays) {
+  Depths nearest;
+  std::array<int, kPack> met;
+  nearest.fill(kNothing);
+  met.fill(-1);
   for (const int index : candidates) {
     const SolidInView& solid = solids[static_cast<std::size_t>(index)];
-    const float depth = depth_of(solid, solid.direction(ray_x, ray_y));
-    if (depth < hit.depth) {
-      hit.depth = depth;
-      hit.solid = index;
+    if (solid.nearest > *std::max_element(nearest.begin(), nearest.end())) break;
+    const Depths depths = depths_of(solid, rays);
+    for (int i = 0; i < kPack; ++i) {
+      met[i] = depths[i] < nearest[i] ? index : met[i];
+      nearest[i] = std::min(nearest[i], depths[i]);
     }
   }
-  if (hit.solid >= 0) {
-    const SolidInView& solid = solids[static_cast<std::size_t>(hit.solid)];
-    hit.face = face_of(solid, solid.direction(ray_x, ray_y), hit.depth);
+  std::array<Hit, kPack> hits;
+  for (int i = 0; i < kPack; ++i) {
+    hits[i] = {.depth = nearest[i], .solid = met[i]};
+    if (met[i] < 0) continue;
+    const SolidInView& solid = solids[static_cast<std::size_t>(met[i])];
+    const Eigen::Vector3f direction = solid.direction(rays.x[i], rays.y[i]);
+    hits[i].face = face_of(solid, solid.origin + nearest[i] * direction);
   }
-  return hit;
+  return hits;
 }
 
 }  // namespace edvo::synth

@@ -4,6 +4,8 @@
 #include "edvo/synth/random.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 
 namespace edvo::synth {
@@ -31,32 +33,49 @@ void fill(Canvas& canvas, double u, double v, double width, double height, doubl
     for (int x = texel(u); x < texel(u + width); ++x) canvas.at(x, y) = static_cast<float>(value);
 }
 
-// Smooth noise [0..1] on a periodic lattice of cells_u x cells_v.
-double value_noise(double u, double v, int cells_u, int cells_v, std::uint64_t seed) {
-  const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
-  const double x = u * cells_u, y = v * cells_v;
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const auto corner = [&](int dx, int dy) {
-    const auto column = static_cast<std::uint64_t>(((x0 + dx) % cells_u + cells_u) % cells_u);
-    const auto row = static_cast<std::uint64_t>(((y0 + dy) % cells_v + cells_v) % cells_v);
-    return static_cast<double>(mix(seed + mix(column * 65537 + row)) >> 11) * 0x1p-53;
-  };
-  const double fx = fade(x - x0), fy = fade(y - y0);
-  return std::lerp(std::lerp(corner(0, 0), corner(1, 0), fx),
-                   std::lerp(corner(0, 1), corner(1, 1), fx), fy);
-}
-
-// Octaves of value noise, each of twice the frequency and half the amplitude. [0..1]
-double fractal_noise(double u, double v, int cells_u, int cells_v, int octaves,
-                     std::uint64_t seed) {
-  double sum = 0, amplitude = 1, total = 0;
-  for (int octave = 0; octave < octaves; ++octave) {
-    sum += amplitude * value_noise(u, v, cells_u << octave, cells_v << octave, seed + octave);
-    total += amplitude;
-    amplitude *= 0.5;
+// Octaves of smooth periodic noise, each of twice the frequency and half the amplitude. [0..1]
+class Noise {
+ public:
+  Noise(int cells_u, int cells_v, int octaves, std::uint64_t seed) {
+    Random random{seed};
+    for (int octave = 0; octave < octaves; ++octave) {
+      Lattice lattice{.cells_u = cells_u << octave, .cells_v = cells_v << octave, .values = {}};
+      for (int i = 0; i < lattice.cells_u * lattice.cells_v; ++i)
+        lattice.values.push_back(random.uniform());
+      lattices_.push_back(std::move(lattice));
+    }
   }
-  return sum / total;
-}
+
+  [[nodiscard]] double operator()(double u, double v) const {
+    double sum = 0, amplitude = 1, total = 0;
+    for (const Lattice& lattice : lattices_) {
+      sum += amplitude * lattice.at(u, v);
+      total += amplitude;
+      amplitude *= 0.5;
+    }
+    return sum / total;
+  }
+
+ private:
+  struct Lattice {
+    int cells_u = 0, cells_v = 0;
+    std::vector<double> values;
+
+    [[nodiscard]] double at(double u, double v) const {  // u and v not negative [tiles]
+      const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
+      const double x = u * cells_u, y = v * cells_v;
+      const auto column = static_cast<int>(x), row = static_cast<int>(y);
+      const double fx = fade(x - column), fy = fade(y - row);
+      const int x0 = column % cells_u, x1 = (column + 1) % cells_u;
+      const double* above = &values[row % cells_v * cells_u];
+      const double* below = &values[(row + 1) % cells_v * cells_u];
+      const double top = above[x0] + fx * (above[x1] - above[x0]);
+      const double bottom = below[x0] + fx * (below[x1] - below[x0]);
+      return top + fy * (bottom - top);
+    }
+  };
+  std::vector<Lattice> lattices_;
+};
 
 double fraction(double x) {
   return x - std::floor(x);
@@ -82,10 +101,10 @@ void paint_poster(Canvas& canvas, std::uint64_t seed) {
   fill(canvas, 0.015, 0.015, 0.97, 0.97, paper);
   print_text(canvas, 0.07, 0.06, 0.86, 0.12, 0.1, 0.05, random);
   const double split = random.uniform(0.35, 0.6);
-  const std::uint64_t picture = random.word();
+  const Noise picture(4, 4, 4, random.word());
   for (int y = kSize * 22 / 100; y < static_cast<int>(kSize * (0.22 + split * 0.8)); ++y)
     for (int x = kSize * 7 / 100; x < kSize * 93 / 100; ++x) {
-      const double noise = fractal_noise((x + 0.5) / kSize, (y + 0.5) / kSize, 4, 4, 4, picture);
+      const double noise = picture((x + 0.5) / kSize, (y + 0.5) / kSize);
       canvas.at(x, y) = static_cast<float>(std::floor(noise * 7) / 6);
     }
   const double text = 0.22 + split * 0.8 + 0.04;
@@ -131,71 +150,84 @@ void paint_book(Canvas& canvas, std::uint64_t seed) {
   fill(canvas, 0.3, band + 0.12, 0.4, random.uniform(0.2, 0.4), 0.1);
 }
 
-double wood(double u, double v, std::uint64_t seed) {
+void paint_wood(Canvas& canvas, std::uint64_t seed) {
   constexpr int kPlanks = 4;
-  const int plank = static_cast<int>(v * kPlanks);
-  const double shade = value_noise(0.5, (plank + 0.5) / kPlanks, 1, kPlanks, seed + 99);
-  const double grain = fractal_noise(u, v, 3, 48, 4, seed + plank);
-  const double rings = 0.5 + 0.5 * std::sin(40 * std::numbers::pi *
-                                            (v + 0.15 * fractal_noise(u, v, 2, 4, 2, seed + 7)));
-  const double joint = fraction(v * kPlanks) < 0.03 ? 0.0 : 1.0;
-  return joint * (0.2 + 0.3 * shade + 0.35 * grain + 0.15 * rings);
+  const Noise shades(1, kPlanks, 1, seed + 1), grains(3, 48, 4, seed + 2), bends(2, 4, 2, seed + 3);
+  paint(canvas, [&](double u, double v) {
+    if (fraction(v * kPlanks) < 0.03) return 0.0;  // the joint
+    const auto plank = static_cast<int>(v * kPlanks);
+    const double shade = shades(0, static_cast<double>(plank) / kPlanks);
+    const double grain = grains(u + 0.31 * plank, v);
+    const double rings = std::sin(40 * std::numbers::pi * (v + 0.15 * bends(u, v)));
+    return 0.275 + 0.3 * shade + 0.35 * grain + 0.075 * rings;
+  });
 }
 
-double tiles(double u, double v, std::uint64_t seed) {
+void paint_tiles(Canvas& canvas, std::uint64_t seed) {
   constexpr int kCount = 4;
-  const double x = fraction(u * kCount), y = fraction(v * kCount);
-  if (x < 0.03 || y < 0.03) return 0.1;
-  const bool dark = (static_cast<int>(u * kCount) + static_cast<int>(v * kCount)) % 2 == 1;
-  return (dark ? 0.35 : 0.75) + 0.25 * (fractal_noise(u, v, 16, 16, 4, seed) - 0.5);
+  const Noise clouds(16, 16, 4, seed);
+  paint(canvas, [&](double u, double v) {
+    if (fraction(u * kCount) < 0.03 || fraction(v * kCount) < 0.03) return 0.1;
+    const bool dark = (static_cast<int>(u * kCount) + static_cast<int>(v * kCount)) % 2 == 1;
+    return (dark ? 0.35 : 0.75) + 0.25 * (clouds(u, v) - 0.5);
+  });
 }
 
-double bricks(double u, double v, std::uint64_t seed) {
+void paint_bricks(Canvas& canvas, std::uint64_t seed) {
   constexpr int kRows = 12, kColumns = 4;
-  const int row = static_cast<int>(v * kRows);
-  const double x = u * kColumns + (row % 2) * 0.5;
-  if (fraction(v * kRows) < 0.12 || fraction(x) < 0.04) return 0.85;
-  const auto brick = static_cast<std::uint64_t>(row * kColumns + static_cast<int>(x) % kColumns);
-  const double shade = static_cast<double>(mix(seed + brick) >> 11) * 0x1p-53;
-  return 0.15 + 0.35 * shade + 0.2 * fractal_noise(u, v, 24, 24, 3, seed);
+  const Noise grain(24, 24, 3, seed);
+  Random random{seed};
+  std::array<double, kRows * kColumns> shades;
+  for (double& shade : shades) shade = random.uniform();
+  paint(canvas, [&](double u, double v) {
+    const auto row = static_cast<int>(v * kRows);
+    const double x = u * kColumns + (row % 2) * 0.5;
+    if (fraction(v * kRows) < 0.12 || fraction(x) < 0.04) return 0.85;
+    const double shade = shades[row * kColumns + static_cast<int>(x) % kColumns];
+    return 0.15 + 0.35 * shade + 0.2 * grain(u, v);
+  });
 }
 
-double speckle(double u, double v, std::uint64_t seed) {
-  const double coarse = fractal_noise(u, v, 32, 32, 3, seed);
-  return std::clamp(0.5 + 2.2 * (coarse - 0.5), 0.0, 1.0);
+void paint_speckle(Canvas& canvas, std::uint64_t seed) {
+  const Noise spots(32, 32, 3, seed);
+  paint(canvas, [&](double u, double v) { return 0.5 + 2.2 * (spots(u, v) - 0.5); });
 }
 
-double fabric(double u, double v, std::uint64_t seed) {
-  const double weave = std::sin(128 * std::numbers::pi * u) * std::sin(128 * std::numbers::pi * v);
-  return 0.45 + 0.1 * weave + 0.6 * (fractal_noise(u, v, 6, 6, 4, seed) - 0.5);
+void paint_fabric(Canvas& canvas, std::uint64_t seed) {
+  const Noise spots(6, 6, 4, seed);
+  paint(canvas, [&](double u, double v) {
+    const double weave =
+        std::sin(128 * std::numbers::pi * u) * std::sin(128 * std::numbers::pi * v);
+    return 0.45 + 0.1 * weave + 0.6 * (spots(u, v) - 0.5);
+  });
 }
 
-double carpet(double u, double v, std::uint64_t seed) {
-  const double ornament = std::sin(8 * std::numbers::pi * u) * std::sin(8 * std::numbers::pi * v);
-  return 0.5 + (ornament > 0.2 ? 0.18 : -0.1) + 0.5 * (fractal_noise(u, v, 20, 20, 4, seed) - 0.5);
+void paint_carpet(Canvas& canvas, std::uint64_t seed) {
+  const Noise pile(20, 20, 4, seed);
+  paint(canvas, [&](double u, double v) {
+    const double ornament = std::sin(8 * std::numbers::pi * u) * std::sin(8 * std::numbers::pi * v);
+    return 0.5 + (ornament > 0.2 ? 0.18 : -0.1) + 0.5 * (pile(u, v) - 0.5);
+  });
 }
 
 void paint_pattern(Canvas& canvas, Pattern pattern, std::uint64_t seed) {
-  const auto paint_with = [&](double (*function)(double, double, std::uint64_t)) {
-    paint(canvas, [&](double u, double v) { return function(u, v, seed); });
-  };
   switch (pattern) {
     case Pattern::kPlain:
       return paint(canvas, [](double, double) { return 0.5; });
     case Pattern::kPlaster:
-      return paint(canvas, [&](double u, double v) { return fractal_noise(u, v, 4, 4, 6, seed); });
+      return paint(canvas, Noise(4, 4, 6, seed));
     case Pattern::kWood:
-      return paint_with(wood);
+      return paint_wood(canvas, seed);
     case Pattern::kCarpet:
-      return paint_with(carpet);
+      return paint_carpet(canvas, seed);
     case Pattern::kTiles:
-      return paint_with(tiles);
+      return paint_tiles(canvas, seed);
     case Pattern::kBricks:
-      return paint_with(bricks);
+      return paint_bricks(canvas, seed);
     case Pattern::kStripes:
       return paint(canvas, [](double u, double) { return fraction(8 * u) < 0.4 ? 0.2 : 0.8; });
     case Pattern::kFabric:
-      return paint_with(fabric);
+      return paint_fabric(canvas, seed);
     case Pattern::kPoster:
       return paint_poster(canvas, seed);
     case Pattern::kScreen:
@@ -205,7 +237,7 @@ void paint_pattern(Canvas& canvas, Pattern pattern, std::uint64_t seed) {
     case Pattern::kBook:
       return paint_book(canvas, seed);
     case Pattern::kSpeckle:
-      return paint_with(speckle);
+      return paint_speckle(canvas, seed);
   }
 }
 
@@ -221,20 +253,28 @@ Texture::Level halve(const Texture::Level& fine) {
   return coarse;
 }
 
-// Bilinear, wrapping; texel centres lie at (i + 0.5) / size.
-float sample_level(const Texture::Level& level, float u, float v) {
+// The mean of four bilinear samples, wrapping; texel centres lie at (i + 0.5) / size.
+float mean_in_level(const Texture::Level& level, const Eigen::Array4f& u, const Eigen::Array4f& v) {
   const auto size = static_cast<float>(level.size);
-  const float x = u * size - 0.5F, y = v * size - 0.5F;
-  const float x_floor = std::floor(x), y_floor = std::floor(y);
-  const float fx = x - x_floor, fy = y - y_floor;
+  const Eigen::Array4f x = u * size - 0.5F, y = v * size - 0.5F;
+  const Eigen::Array4f x_floor = x.floor(), y_floor = y.floor();
+  const Eigen::Array4f fx = x - x_floor, fy = y - y_floor;
+  const Eigen::Array4i column = x_floor.cast<int>(), row = y_floor.cast<int>();
   const int mask = level.size - 1;
-  const int x0 = static_cast<int>(x_floor) & mask, y0 = static_cast<int>(y_floor) & mask;
-  const int x1 = (x0 + 1) & mask;
-  const float* above = &level.values[y0 * level.size];
-  const float* below = &level.values[((y0 + 1) & mask) * level.size];
-  const float top = above[x0] + fx * (above[x1] - above[x0]);
-  const float bottom = below[x0] + fx * (below[x1] - below[x0]);
-  return top + fy * (bottom - top);
+  const float* texels = level.values.data();
+  Eigen::Array4f corners[2][2];
+  for (int i = 0; i < 4; ++i) {
+    const int x0 = column[i] & mask, x1 = (column[i] + 1) & mask;
+    const float* above = texels + (row[i] & mask) * level.size;
+    const float* below = texels + ((row[i] + 1) & mask) * level.size;
+    corners[0][0][i] = above[x0];
+    corners[0][1][i] = above[x1];
+    corners[1][0][i] = below[x0];
+    corners[1][1][i] = below[x1];
+  }
+  const Eigen::Array4f top = corners[0][0] + fx * (corners[0][1] - corners[0][0]);
+  const Eigen::Array4f bottom = corners[1][0] + fx * (corners[1][1] - corners[1][0]);
+  return 0.25F * (top + fy * (bottom - top)).sum();
 }
 
 }  // namespace
@@ -249,14 +289,19 @@ Texture make_texture(Pattern pattern, std::uint64_t seed) {
   return texture;
 }
 
-float sample(const Texture& texture, float u, float v, float lod) {
+float mean_of_four(const Texture& texture, const Eigen::Array4f& u, const Eigen::Array4f& v,
+                   float lod) {
   const auto coarsest = static_cast<float>(texture.levels.size() - 1);
   const float level = std::clamp(lod, 0.0F, coarsest);
   const auto fine = static_cast<std::size_t>(level);
   const float blend = level - static_cast<float>(fine);
-  const float value = sample_level(texture.levels[fine], u, v);
+  const float value = mean_in_level(texture.levels[fine], u, v);
   if (blend == 0.0F) return value;
-  return value + blend * (sample_level(texture.levels[fine + 1], u, v) - value);
+  return value + blend * (mean_in_level(texture.levels[fine + 1], u, v) - value);
+}
+
+float sample(const Texture& texture, float u, float v, float lod) {
+  return mean_of_four(texture, Eigen::Array4f::Constant(u), Eigen::Array4f::Constant(v), lod);
 }
 
 }  // namespace edvo::synth

@@ -2,7 +2,7 @@
 // Procedural surface patterns, filtered for every viewing distance.
 #pragma once
 
-#include <cmath>
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -38,5 +38,9 @@ struct Texture {
 
 // The value at (u, v) [tiles], averaged over 2^lod texels of the finest level (trilinear).
 [[nodiscard]] float sample(const Texture& texture, float u, float v, float lod);
+
+// The mean of sample() at four places.
+[[nodiscard]] float mean_of_four(const Texture& texture, const Eigen::Array4f& u,
+                                 const Eigen::Array4f& v, float lod);
 
 }  // namespace edvo::synth

@@ -14,14 +14,15 @@ namespace edvo {
 
 struct WindowOptions {
   int keyframes = 7;
-  int fixed = 2;
+  int anchors = 5;
+  int memory = 100;
   int points = 600;
   int iterations = 6;
   double sigma = 6.0;             // [grey levels]
   double huber = 1.345;           // [sigmas]
   double softness = 50.0;         // [grey levels / px]
   double depth_noise = 0.0015;    // [1 / m]
-  double depth_bias = 0.01;
+  double depth_bias = 0.0;
   double geometric = 1.0;
 };
 
@@ -29,7 +30,9 @@ template <typename Self, typename Visitor>
   requires std::same_as<std::remove_const_t<Self>, WindowOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("keyframes", self.keyframes, Range{0, 50}, "keyframes refined together; 0 = no refinement");
-  visit("fixed", self.fixed, Range{1, 50}, "oldest keyframes of the window that stay where they are");
+  visit("anchors", self.anchors, Range{1, 50},
+        "older keyframes with the same view that hold the refined ones in place");
+  visit("memory", self.memory, Range{1, 10000}, "older keyframes kept as possible anchors");
   visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
   visit("iterations", self.iterations, Range{1, 100}, "linearizations per refinement");
   visit("sigma", self.sigma, Range{0.1, 255}, "sigma of the photometric residuals [grey levels]");
@@ -56,7 +59,8 @@ struct WindowPoint {
 struct WindowKeyframe {
   SE3 world_from_key;
   double gain = 1, bias = 0;                  // I = gain * radiance + bias
-  cv::Mat_<cv::Vec4f> image;                  // intensity, d/du, d/dv, 0; level 0
+  cv::Mat_<std::uint8_t> gray;                // level 0
+  cv::Mat_<cv::Vec4f> image;                  // intensity, d/du, d/dv, 0; only while in a window
   cv::Mat_<float> inverse_depth;              // [1 / m], NaN = none or on a jump
   std::vector<WindowPoint> points;
 };
@@ -70,7 +74,11 @@ struct WindowSummary {
   double first_cost = 0, last_cost = 0;
 };
 
-// Lowers the joint cost over poses, brightness and inverse depths of all but the fixed keyframes.
+// Share of the points of one keyframe that another sees, [0..1].
+[[nodiscard]] double shared_view(const WindowKeyframe& host, const WindowKeyframe& target,
+                                 const Camera& camera);
+
+// Lowers the joint cost over poses, brightness and inverse depths of all but the first `fixed` keyframes.
 WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
                             const WindowOptions& options);
 
