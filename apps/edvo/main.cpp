@@ -23,7 +23,6 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 
 }  // namespace
 
-// NOLINTNEXTLINE(bugprone-exception-escape): printing the message of an error may fail, too
 int main(int argc, char** argv) {
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
   program.require_subcommand(1);
