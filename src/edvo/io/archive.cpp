@@ -201,7 +201,8 @@ std::string cache_key(const fs::path& archive) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(archive, error);
   if (error) fail_input(archive, error.message());
-  const auto changed = fs::last_write_time(archive, error).time_since_epoch().count();
+  const auto changed =
+      static_cast<std::uint64_t>(fs::last_write_time(archive, error).time_since_epoch().count());
   if (error) fail_input(archive, error.message());
   return fmt::format("{}-{:x}-{:x}", archive.filename().string(), size, changed);
 }
