@@ -1,6 +1,8 @@
-# Everything comes from Debian's packages; scripts/packages.txt names them.
+# Everything comes from Debian's packages; scripts/packages.txt names them. The installed
+# edvoConfig.cmake includes this file too, to find what a program linking edvo needs.
+list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc dnn)
+find_package(OpenCVParts 4.5 REQUIRED COMPONENTS core imgproc dnn)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)

@@ -1,14 +1,25 @@
 // SPDX-License-Identifier: MIT
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
+#include "usage.hpp"
 
 #include <fmt/core.h>
 
 namespace {
 
+using namespace edvo::app;
+
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
-const std::vector<void (*)(CLI::App&)> kVerbs = {};
+const std::vector<void (*)(CLI::App&)> kVerbs = {
+    add_eval_command,
+    add_config_command,
+};
+
+int fail(edvo::ErrorCode code, const std::string& message) {
+  fmt::print(stderr, "edvo: {}\n", message);
+  return static_cast<int>(code);
+}
 
 }  // namespace
 
@@ -19,11 +30,12 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = program.exit(error);
-    return code == 0 ? 0 : static_cast<int>(edvo::ErrorCode::kUsage);
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return fail(edvo::ErrorCode::kUsage, explain(program, error, argc > 1 ? argv[1] : ""));
   } catch (const edvo::Error& error) {
-    fmt::print(stderr, "edvo: {}\n", error.what());
-    return static_cast<int>(error.code());
+    return fail(error.code(), error.what());
+  } catch (const std::exception& error) {
+    return fail(edvo::ErrorCode::kInternal, error.what());
   }
   return 0;
 }

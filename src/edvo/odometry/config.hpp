@@ -3,6 +3,10 @@
 #pragma once
 
 #include "edvo/core/fields.hpp"
+#include "edvo/edge/canny.hpp"
+#include "edvo/edge/corners.hpp"
+#include "edvo/track/tracker.hpp"
+#include "edvo/track/window.hpp"
 
 #include <concepts>
 #include <string>
@@ -20,6 +24,8 @@ enum class Method {
   kCnn,          // network edges without corner optimization
 };
 
+inline constexpr Method kDefaultMethod = Method::kCannyCorner;  // until a network ships with edvo
+
 template <>
 struct EnumNames<Method> {
   static constexpr auto names = std::to_array<std::pair<Method, std::string_view>>({
@@ -31,24 +37,67 @@ struct EnumNames<Method> {
   });
 };
 
-struct FrameOptions {
-  int levels = 4;  // pyramid levels, the full image included
+enum class Detector { kNone, kCanny, kNetwork };
+
+template <>
+struct EnumNames<Detector> {
+  static constexpr auto names = std::to_array<std::pair<Detector, std::string_view>>(
+      {{Detector::kNone, "none"}, {Detector::kCanny, "canny"}, {Detector::kNetwork, "network"}});
+};
+
+struct EdgeOptions {
+  Detector detector = Detector::kCanny;
 };
 
 template <typename Self, typename Visitor>
-requires std::same_as<std::remove_const_t<Self>, FrameOptions>
+requires std::same_as<std::remove_const_t<Self>, EdgeOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("levels", self.levels, Range{1, 8}, "pyramid levels, the full image included (abstract)");
+  visit("detector", self.detector, Range{}, "none: every pixel with depth and gradient (dense)");
+}
+
+// When a frame becomes a keyframe (paper, section III-C, fig. 4).
+struct KeyframeOptions {
+  int period = 20;           // frames, 0 = never by period
+  double translation = 0.1;  // [m]
+  double rotation = 0.15;    // [rad]
+  double overlap = 0.7;      // [0..1]
+  double inliers = 0.6;      // [0..1]
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, KeyframeOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("period", self.period, Range{0, 1e6}, "frames after which a keyframe is due; 0 = never");
+  visit("translation", self.translation, Range{0, 1e6},
+        "motion amplitude Omega, translation part, at which one is due [m]");
+  visit("rotation", self.rotation, Range{0, 1e6},
+        "motion amplitude Omega, rotation part, at which one is due [rad]");
+  visit("overlap", self.overlap, Range{0, 1}, "share of points in view below which one is due");
+  visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
 }
 
 struct Config {
   FrameOptions frame;
+  EdgeOptions edge;
+  CannyOptions canny;
+  CornerOptions corners;
+  SelectOptions selection;
+  TrackOptions tracking;
+  KeyframeOptions keyframes;
+  WindowOptions window;
 };
 
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, Config>
 void visit_groups(Self& self, Visitor&& visit) {
   visit("frame", self.frame, "what is computed from each image");
+  visit("edge", self.edge, "where edges come from");
+  visit("canny", self.canny, "Canny edges");
+  visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
+  visit("selection", self.selection, "which pixels of a keyframe are tracked");
+  visit("tracking", self.tracking, "alignment of a frame (section III-D)");
+  visit("keyframes", self.keyframes, "when a frame becomes a keyframe (section III-C)");
+  visit("window", self.window, "joint refinement of the last keyframes");
 }
 
 // The options of one of the paper's systems.

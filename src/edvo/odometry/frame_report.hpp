@@ -5,6 +5,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/core/se3.hpp"
 #include "edvo/core/stamp.hpp"
+#include "edvo/track/tracker.hpp"
 
 #include <array>
 #include <cstdint>
@@ -26,15 +27,6 @@ enum class KeyframeReason {
   kOverlap,  // too few of the keyframe's points are still in view
   kInliers,  // too few of the points in view still fit
   kLost,     // tracking starts again here
-};
-
-// One pyramid level of one frame's alignment.
-struct LevelStats {
-  int level = 0;       // 0 = full resolution
-  int iterations = 0;  // linearizations
-  int points = 0;      // residuals at this level
-  double cost = 0;     // mean robust cost at the end [residual sigmas squared]
-  bool converged = false;
 };
 
 // Where the time of a frame went. [ms]

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "config_flags.hpp"
+
+#include "edvo/core/did_you_mean.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace edvo::app {
+namespace {
+
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const auto& [value, name] : EnumNames<Method>::names) names.emplace_back(name);
+  return names;
+}
+
+Method method_named(const std::string& word) {
+  for (const auto& [value, name] : EnumNames<Method>::names)
+    if (name == word) return value;
+  const std::vector<std::string> names = method_names();
+  throw Error(ErrorCode::kUsage, fmt::format("--method {}: unknown method{} (known: {})", word,
+                                             did_you_mean(word, names), fmt::join(names, ", ")));
+}
+
+std::string read_text(const std::string& file) {
+  std::error_code ignored;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file, ignored))
+    throw Error(ErrorCode::kConfig, fmt::format("{}: cannot read this configuration file", file));
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+void add_config_flags(CLI::App& verb, ConfigFlags& flags) {
+  verb.add_option("--method", flags.method,
+                  fmt::format("one of {}", fmt::join(method_names(), ", ")));
+  verb.add_option("--config", flags.file, "TOML file; what it names replaces the method's options");
+  verb.add_option("--set", flags.set, "group.field=value, after the file; may be repeated")
+      ->take_all()
+      ->expected(1);
+}
+
+Config resolve_config(const ConfigFlags& flags) {
+  Config config = preset(flags.method.empty() ? kDefaultMethod : method_named(flags.method));
+  if (!flags.file.empty()) config = config_from_toml(read_text(flags.file), flags.file, config);
+  for (const std::string& assignment : flags.set) set_option(config, assignment);
+  check(config);
+  return config;
+}
+
+}  // namespace edvo::app

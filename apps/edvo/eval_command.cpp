@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// edvo eval GROUND_TRUTH ESTIMATE...
+#include "commands.hpp"
+#include "edvo/core/error.hpp"
+#include "edvo/io/output_file.hpp"
+#include "edvo/io/trajectory_file.hpp"
+#include "eval_plots.hpp"
+#include "eval_tables.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <set>
+
+namespace edvo::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string truth;
+  std::vector<std::string> estimates;
+  std::string alignment = "se3", protocol = "tum", format = "text";
+  std::string delta;  // empty = what the protocol is known for
+  EvalOptions options;
+  std::string plot_folder;
+  bool json = false;
+};
+
+template <typename Enum>
+std::vector<std::string> names_of() {
+  std::vector<std::string> names;
+  for (const auto& [value, name] : EnumNames<Enum>::names) names.emplace_back(name);
+  return names;
+}
+
+// The command line has checked that the name is one of names_of().
+template <typename Enum>
+Enum named(std::string_view wanted) {
+  for (const auto& [value, name] : EnumNames<Enum>::names)
+    if (name == wanted) return value;
+  throw Error(ErrorCode::kInternal, fmt::format("no value is named {}", wanted));
+}
+
+EvalOptions options_from(const Arguments& arguments) {
+  EvalOptions options = arguments.options;
+  options.alignment = named<Alignment>(arguments.alignment);
+  options.association.protocol = named<Protocol>(arguments.protocol);
+  if (!arguments.delta.empty()) {
+    options.rpe.delta = parse_delta(arguments.delta);
+  } else if (options.association.protocol == Protocol::kEvo) {
+    options.rpe.delta = {.value = 1, .unit = DeltaUnit::kFrames};
+  }
+  return options;
+}
+
+// File names without folder and ending where that tells them apart, else paths.
+std::vector<std::string> short_names(const std::vector<std::string>& files) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(fs::path(file).stem().string());
+  const std::set<std::string> distinct(names.begin(), names.end());
+  return distinct.size() == names.size() ? names : files;
+}
+
+Trajectory read_with_warnings(const std::string& file) {
+  TrajectoryFile read = read_trajectory(file);
+  for (const std::string& warning : read.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  return std::move(read.trajectory);
+}
+
+NamedEvaluation evaluate_file(const Trajectory& truth, const std::string& file,
+                              const std::string& name, const EvalOptions& options) {
+  NamedEvaluation result{
+      .name = name, .file = file, .estimate = read_with_warnings(file), .evaluation = {}};
+  try {
+    result.evaluation = evaluate(truth, result.estimate, options);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kEvaluation) throw;
+    throw Error(error.code(), fmt::format("{}: {}", file, error.what()));
+  }
+  for (const std::string& warning : result.evaluation.warnings)
+    fmt::print(stderr, "warning: {}: {}\n", file, warning);
+  return result;
+}
+
+void write_plots(const fs::path& folder, const Trajectory& truth,
+                 const std::vector<NamedEvaluation>& evaluations) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::kOutput,
+                fmt::format("{}: cannot make the folder, {}", folder.string(), error.message()));
+  write_whole(folder / "trajectory.svg", to_svg(trajectory_plot(truth, evaluations)));
+  write_whole(folder / "ate.svg", to_svg(ate_plot(evaluations)));
+  write_whole(folder / "rpe_translation.svg", to_svg(rpe_translation_plot(evaluations)));
+  write_whole(folder / "rpe_rotation.svg", to_svg(rpe_rotation_plot(evaluations)));
+  fmt::print(stderr, "plots: {}\n", (folder / "*.svg").string());
+}
+
+// With several estimates one line for all, with EST where a file goes.
+std::string evo_line(const std::string& truth_file,
+                     const std::vector<NamedEvaluation>& evaluations) {
+  const NamedEvaluation& first = evaluations.front();
+  const std::vector<std::string> commands =
+      evo_commands(truth_file, evaluations.size() == 1 ? first.file : "EST", first.estimate,
+                   first.evaluation.options);
+  return fmt::format("with evo: {}", fmt::join(commands, " && "));
+}
+
+void print_table(const std::string& truth_file, TableFormat format,
+                 const std::vector<NamedEvaluation>& evaluations) {
+  const EvalOptions& options = evaluations.front().evaluation.options;
+  fmt::print("{}{}{}{}", format_note(describe_protocol(options), format),
+             format_note("coverage = " + describe_coverage(options), format),
+             format_table(evaluation_table(evaluations), format),
+             format_note(evo_line(truth_file, evaluations), format));
+}
+
+void evaluate_all(const Arguments& arguments) {
+  const EvalOptions options = options_from(arguments);
+  const Trajectory truth = read_with_warnings(arguments.truth);
+  const std::vector<std::string> names = short_names(arguments.estimates);
+  std::vector<NamedEvaluation> evaluations;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
+  if (arguments.json || arguments.format == "json") {
+    fmt::print("{}", evaluation_json(arguments.truth, truth, evaluations));
+  } else {
+    print_table(arguments.truth, named<TableFormat>(arguments.format), evaluations);
+  }
+  if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "eval", "Errors of trajectories (TUM format) against ground truth: ATE, RPE, drift");
+  const auto arguments = std::make_shared<Arguments>();
+  std::vector<std::string> formats = names_of<TableFormat>();
+  formats.emplace_back("json");
+  EvalOptions& options = arguments->options;
+
+  command->add_option("GT", arguments->truth, "ground truth trajectory")->required();
+  command->add_option("EST", arguments->estimates, "estimated trajectories")->required();
+  command->add_option("--align", arguments->alignment, "alignment before ATE")
+      ->check(CLI::IsMember(names_of<Alignment>()))
+      ->capture_default_str();
+  command->add_option("--delta", arguments->delta,
+                      "RPE between poses so far apart: 1s 30f 0.5m 0.1rad 10deg, or all pairs: all "
+                      "(default 1s; 1f with --protocol evo)");
+  command
+      ->add_option("--max-diff", options.association.max_difference,
+                   "poses match if their stamps are closer than this [s]")
+      ->capture_default_str();
+  command
+      ->add_option("--offset", options.association.offset,
+                   "added to the stamps of the estimates [s]")
+      ->capture_default_str();
+  command->add_option("--protocol", arguments->protocol, "whose rules: TUM scripts or evo")
+      ->check(CLI::IsMember(names_of<Protocol>()))
+      ->capture_default_str();
+  command->add_option("--frames", options.frames,
+                      "images the estimates were made from; coverage is then poses / frames");
+  command
+      ->add_option("--max-pairs", options.rpe.max_pairs,
+                   "of more RPE pairs so many are drawn by chance, 0 = no limit")
+      ->capture_default_str();
+  command->add_option("--seed", options.rpe.seed, "of that draw")->capture_default_str();
+  command->add_option("--format", arguments->format, "what to print")
+      ->check(CLI::IsMember(formats))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "same as --format json");
+  command->add_option("--plot", arguments->plot_folder, "write plots (SVG) into this folder");
+  command->callback([arguments] { evaluate_all(*arguments); });
+}
+
+}  // namespace edvo::app

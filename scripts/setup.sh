@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: MIT
+# What demo.sh and test.sh share: packages, configuring, building. To be sourced from the root of
+# the repository; everything here may be run again and does only what is missing.
+
+# What was compiled in one clone is found again in another.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
+
+fail() {
+  echo "edvo: $*" >&2
+  exit 1
+}
+
+as_root() {
+  if [[ $EUID -eq 0 ]]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    fail "packages are missing and neither root nor sudo is at hand; as root, run: $*"
+  fi
+}
+
+packages_listed() {
+  sed 's/#.*//' scripts/packages.txt | xargs -n1
+}
+
+packages_missing() {
+  comm -23 <(packages_listed | sort -u) \
+    <(dpkg-query -W -f='${db:Status-Abbrev} ${Package}\n' 2>/dev/null |
+      sed -n 's/^ii  *//p' | sort -u)
+}
+
+install_packages() {
+  command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
+    fail "this script installs packages with apt (Debian 12); elsewhere, install the equivalents" \
+         "of scripts/packages.txt, then: cmake --preset release && cmake --build --preset release"
+  local missing
+  mapfile -t missing < <(packages_missing)
+  [[ ${#missing[@]} -gt 0 ]] || return 0
+
+  echo "edvo: installing ${#missing[@]} packages: ${missing[*]}"
+  local log
+  log=$(mktemp)
+  local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300
+             -o Acquire::Retries=3)
+  # An unreachable mirror among several does no harm, so that only the installation decides.
+  if ! as_root "${apt[@]}" update >"$log" 2>&1; then true; fi
+  if ! as_root "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    grep -E '^(E|W):' "$log" | tail -n 5 >&2 || tail -n 5 "$log" >&2
+    rm -f "$log"
+    fail "could not install the packages above: is there a network and is this Debian 12 or later?"
+  fi
+  rm -f "$log"
+}
+
+# A compiler takes up to 2 GB with OpenCV's and Eigen's headers: as many jobs as cores and memory.
+parallel_jobs() {
+  local cores memory_kb
+  cores=$(nproc)
+  memory_kb=$(sed -n 's/^MemAvailable: *\([0-9]*\) kB/\1/p' /proc/meminfo)
+  local fitting=$((${memory_kb:-2097152} / 2097152))
+  [[ $fitting -lt 1 ]] && fitting=1
+  echo $((cores < fitting ? cores : fitting))
+}
+
+# configure [CMAKE_ARGUMENT...]
+configure() {
+  local log
+  log=$(mktemp)
+  if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "$@" >"$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    fail "configuring failed"
+  fi
+  rm -f "$log"
+}
+
+# build [TARGET...]
+build() {
+  ninja -C build -j "$(parallel_jobs)" "$@"
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Sets up what is missing, builds everything and runs all tests: the library and the program, layer
+# and format checks, and the examples against an installed edvo. Arguments go to cmake.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/setup.sh
+
+install_packages
+configure "$@"
+build
+exec ctest --test-dir build --parallel "$(parallel_jobs)" --output-on-failure --no-tests=error

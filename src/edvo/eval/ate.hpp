@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Absolute trajectory error: distances of the aligned estimate's positions from the ground truth's.
+#pragma once
+
+#include "edvo/eval/align.hpp"
+#include "edvo/eval/associate.hpp"
+#include "edvo/eval/statistics.hpp"
+
+#include <vector>
+
+namespace edvo {
+
+struct AteError {
+  Stamp stamp;          // of the estimate
+  double distance = 0;  // [m]
+};
+
+struct Ate {
+  Alignment alignment = Alignment::kSe3;
+  Similarity truth_from_estimate;
+  Statistics distance;           // [m]
+  std::vector<AteError> errors;  // one per match, in order of time
+};
+
+// Throws Error(kEvaluation) where there are too few matches to align.
+[[nodiscard]] Ate absolute_trajectory_error(const Trajectory& truth, const Trajectory& estimate,
+                                            const std::vector<Match>& matches, Alignment alignment);
+
+}  // namespace edvo

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What is said about a set of errors.
+#pragma once
+
+#include <vector>
+
+namespace edvo {
+
+// In the unit of the values; std is the population's. All zero where there are no values.
+struct Statistics {
+  double rmse = 0, mean = 0, median = 0, std = 0, min = 0, max = 0;
+};
+
+[[nodiscard]] Statistics statistics(const std::vector<double>& values);
+
+// Of an even number of values the mean of the middle two; 0 of none.
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace edvo

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// One image as the tracker reads it: undistorted, grey, at several sizes.
+#pragma once
+
+#include "edvo/core/fields.hpp"
+#include "edvo/frame/undistort.hpp"
+
+#include <concepts>
+#include <vector>
+
+namespace edvo {
+
+struct FrameOptions {
+  int levels = 4;
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, FrameOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("levels", self.levels, Range{1, 8}, "pyramid levels, the full image included (abstract)");
+}
+
+struct Level {
+  Camera camera;
+  cv::Mat_<std::uint8_t> gray;  // H x W
+};
+
+struct Frame {
+  Stamp stamp;
+  std::vector<Level> levels;  // 0 = full size; level l is pyrDown of level l - 1
+  cv::Mat_<float> depth;      // H x W of level 0, [m], NaN = none
+  cv::Mat bgr;                // the distorted original; undistorted by who needs colour
+};
+
+[[nodiscard]] Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
+                               const FrameOptions& options);
+
+}  // namespace edvo

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/output_file.hpp"
+
+#include "edvo/core/error.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+namespace edvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error write_error(const fs::path& path, int error_number) {
+  const char* remedy = "choose another folder with -o";
+  if (error_number == ENOSPC || error_number == EDQUOT) remedy = "free some space on that disk";
+  if (error_number == EACCES || error_number == EROFS || error_number == EPERM)
+    remedy = "choose a folder you may write to with -o";
+  return Error(ErrorCode::kOutput, fmt::format("{}: cannot write: {}; {}", path.string(),
+                                               std::strerror(error_number), remedy));
+}
+
+int open_for_writing(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw write_error(path, errno);
+  return descriptor;
+}
+
+// 0, or the error number. Goes on after short writes and interrupting signals.
+int write_all(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+}  // namespace
+
+LineFile::LineFile(fs::path path) : path_(std::move(path)), descriptor_(open_for_writing(path_)) {}
+
+LineFile::~LineFile() { ::close(descriptor_); }
+
+void LineFile::append(std::string_view line) {
+  std::string with_end(line);
+  with_end += '\n';
+  if (const int error = write_all(descriptor_, with_end); error != 0) {
+    // Half a line would make the file invalid. A device (as /dev/full) cannot be cut: nothing to do.
+    if (::ftruncate(descriptor_, whole_bytes_) == 0) ::lseek(descriptor_, whole_bytes_, SEEK_SET);
+    throw write_error(path_, error);
+  }
+  whole_bytes_ += static_cast<std::int64_t>(with_end.size());
+}
+
+void write_whole(const fs::path& path, std::string_view content) {
+  fs::path unfinished = path;
+  unfinished += ".part";
+  const int descriptor = open_for_writing(unfinished);
+  int error = write_all(descriptor, content);
+  // Some file systems report a full disk or a lost server only here.
+  if (error == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS) error = errno;
+  if (::close(descriptor) != 0 && error == 0) error = errno;
+  if (error == 0 && ::rename(unfinished.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) {
+    ::unlink(unfinished.c_str());
+    throw write_error(path, error);
+  }
+}
+
+}  // namespace edvo

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/trajectory_file.hpp"
+
+#include "edvo/core/error.hpp"
+#include "edvo/io/file.hpp"
+#include "edvo/io/output_file.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+namespace edvo {
+namespace {
+
+constexpr std::size_t kFields = 8;
+constexpr double kShortestQuaternion = 1e-6;  // below, its direction is rounding noise
+// Six written decimals leave at most about 1e-6; further off, it may not be a quaternion at all.
+constexpr double kUnitTolerance = 0.01;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kFieldNames = "stamp tx ty tz qx qy qz qw";
+
+struct Place {
+  const std::string& source;
+  std::size_t line = 0;  // counted from 1
+};
+
+[[noreturn]] void fail(const Place& place, const std::string& message) {
+  throw Error(ErrorCode::kInput, fmt::format("{}:{}: {}", place.source, place.line, message));
+}
+
+// How often something happened, and where first.
+struct Occurrences {
+  std::size_t count = 0, first_line = 0;
+};
+
+void note(Occurrences& occurrences, std::size_t line) {
+  if (occurrences.count++ == 0) occurrences.first_line = line;
+}
+
+bool is_separator(char c) {
+  return c == ' ' || c == '\t' || c == ',' || c == '\r';
+}
+
+// The first kFields fields of a line, and how many there are.
+struct Fields {
+  std::array<std::string_view, kFields> text;
+  std::size_t count = 0;
+};
+
+Fields split(std::string_view line) {
+  Fields fields;
+  for (std::size_t i = 0; i < line.size();) {
+    if (is_separator(line[i])) {
+      ++i;
+      continue;
+    }
+    const std::size_t begin = i;
+    while (i < line.size() && !is_separator(line[i])) ++i;
+    if (fields.count < kFields) fields.text[fields.count] = line.substr(begin, i - begin);
+    ++fields.count;
+  }
+  return fields;
+}
+
+// Foreign files may hold anything: no control characters and no novels in messages.
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string shown = "\"";
+  for (const char c : text.substr(0, kLongest))
+    shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return shown + (text.size() > kLongest ? "...\"" : "\"");
+}
+
+double number(std::string_view text, const Place& place) {
+  std::string_view digits = text;
+  if (!digits.empty() && digits.front() == '+') digits.remove_prefix(1);
+  double value = 0;
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (status != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value))
+    fail(place,
+         fmt::format("expected a finite number, got {}; leave lost poses out", quoted(text)));
+  return value;
+}
+
+struct Line {
+  StampedPose pose;
+  std::size_t number = 0;
+  double quaternion_length = 1;
+};
+
+Line parse_pose(const Fields& fields, const Place& place) {
+  if (fields.count != kFields)
+    fail(place, fmt::format("expected {} fields ({}), got {}", kFields, kFieldNames, fields.count));
+  const std::optional<Stamp> stamp = parse_stamp(fields.text[0]);
+  if (!stamp)
+    fail(place, fmt::format("expected a stamp in seconds, got {}", quoted(fields.text[0])));
+  std::array<double, kFields> v{};
+  for (std::size_t i = 1; i < kFields; ++i) v[i] = number(fields.text[i], place);
+  const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
+  const double length = rotation.norm();
+  if (!(length > kShortestQuaternion) || !std::isfinite(length))
+    fail(place,
+         fmt::format("a quaternion of length {:.3g} is no rotation; leave lost poses out", length));
+  return {.pose = {.stamp = *stamp,
+                   .world_from_camera = {.rotation = rotation.normalized(),
+                                         .translation = {v[1], v[2], v[3]}}},
+          .number = place.line,
+          .quaternion_length = length};
+}
+
+std::vector<Line> parse_lines(std::string_view text, const std::string& source) {
+  std::vector<Line> lines;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = text.find('\n');
+    const Fields fields = split(text.substr(0, end));
+    if (fields.count > 0 && fields.text[0].front() != '#')
+      lines.push_back(parse_pose(fields, {source, number}));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return lines;
+}
+
+void warn(std::vector<std::string>& warnings, const std::string& source,
+          const Occurrences& occurrences, std::string_view what) {
+  if (occurrences.count == 0) return;
+  std::string more;
+  if (occurrences.count > 1) more = fmt::format(" ({} such lines)", occurrences.count);
+  warnings.push_back(fmt::format("{}:{}: {}{}", source, occurrences.first_line, what, more));
+}
+
+}  // namespace
+
+TrajectoryFile parse_trajectory(std::string_view text, const std::string& source) {
+  std::vector<Line> lines = parse_lines(text, source);
+  if (lines.empty())
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: no pose in it; expected lines of \"{}\"", source, kFieldNames));
+  Occurrences unordered, repeated, not_unit;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i > 0 && lines[i].pose.stamp < lines[i - 1].pose.stamp) note(unordered, lines[i].number);
+    if (std::abs(lines[i].quaternion_length - 1.0) > kUnitTolerance)
+      note(not_unit, lines[i].number);
+  }
+  std::stable_sort(lines.begin(), lines.end(),
+                   [](const Line& a, const Line& b) { return a.pose.stamp < b.pose.stamp; });
+  TrajectoryFile file;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (i + 1 < lines.size() && lines[i].pose.stamp == lines[i + 1].pose.stamp) {
+      note(repeated, lines[i + 1].number);
+    } else {
+      file.trajectory.push_back(lines[i].pose);
+    }
+  }
+  warn(file.warnings, source, unordered, "stamp before the previous one; poses were sorted");
+  warn(file.warnings, source, repeated, "stamp seen before; its last pose was kept");
+  warn(file.warnings, source, not_unit, "quaternion not of unit length; it was normalized");
+  return file;
+}
+
+TrajectoryFile read_trajectory(const std::filesystem::path& file) {
+  return parse_trajectory(read_file(file), file.string());
+}
+
+std::string trajectory_line(const StampedPose& pose) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+  if (!is_finite(pose.world_from_camera))
+    throw Error(ErrorCode::kInternal,
+                fmt::format("pose at {} is not finite", to_string(pose.stamp)));
+  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}", to_string(pose.stamp),
+                     t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
+}
+
+void write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory) text += trajectory_line(pose) + '\n';
+  write_whole(file, text);
+}
+
+}  // namespace edvo

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// Trajectories as text: one "stamp tx ty tz qx qy qz qw" per line, the format of the TUM benchmark.
+#pragma once
+
+#include "edvo/core/trajectory.hpp"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace edvo {
+
+struct TrajectoryFile {
+  Trajectory trajectory;              // ordered by stamp, each stamp once, unit quaternions
+  std::vector<std::string> warnings;  // what had to be mended, one line per kind of mending
+};
+
+// Fields are separated by white space or commas; "#" starts a comment line; CRLF is fine. Poses out
+// of order are sorted; of poses with the same stamp the last one stays, as in the TUM scripts.
+// Throws Error(kInput) "source:line: ..." at a line that is no pose, and if there is none at all.
+[[nodiscard]] TrajectoryFile parse_trajectory(std::string_view text, const std::string& source);
+
+[[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);
+
+// One line without its end. The stamp is written with the digits that it was read with.
+[[nodiscard]] std::string trajectory_line(const StampedPose& pose);
+
+// Writes the whole file or throws Error(kOutput) and leaves what was there.
+void write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory);
+
+}  // namespace edvo

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/odometry/config.hpp"
+
+namespace edvo {
+
+Config preset(Method method) {
+  Config config;
+  switch (method) {
+    case Method::kCnnCorner:
+      config.edge.detector = Detector::kNetwork;
+      break;
+    case Method::kCannyCorner:
+      break;
+    case Method::kCnn:
+      config.edge.detector = Detector::kNetwork;
+      config.corners.enabled = false;
+      break;
+    case Method::kCanny:
+      config.corners.enabled = false;
+      break;
+    case Method::kOrigin:
+      config.edge.detector = Detector::kNone;
+      config.corners.enabled = false;
+      config.selection.max_points = 10'000'000;
+      config.keyframes = {.period = 1};
+      break;
+  }
+  return config;
+}
+
+}  // namespace edvo

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Writes a run to its folder, frame by frame, so that whatever happens the results so far are there.
+#pragma once
+
+#include "edvo/io/output_file.hpp"
+#include "edvo/report/summary.hpp"
+
+#include <filesystem>
+
+namespace edvo {
+
+class Recorder {
+ public:
+  // Starts frames.jsonl, trajectory.tum and config.toml in an existing folder. Like every other
+  // member, throws Error(kOutput) naming the file that cannot be written.
+  Recorder(std::filesystem::path folder, RunDescription run);
+
+  // When this returns, the frame is on disk: a line in frames.jsonl and, unless it is lost, its
+  // pose as known now in trajectory.tum.
+  void append(const FrameReport& report);
+
+  // A frame that could not be read.
+  void append(const SkippedFrame& skipped);
+
+  // For what turns up on the way; printing it is the caller's business.
+  void warn(const std::string& warning);
+
+  // Puts the poses as known at the end in trajectory.tum (those known at the time go to
+  // trajectory_online.tum) and adds keyframes.tum, summary.json and, if wanted, report.html. Each
+  // file appears whole or stays as it was.
+  RunSummary finish(const RunOutcome& outcome, bool with_html);
+
+  [[nodiscard]] const RunLog& log() const { return log_; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_;
+  RunDescription run_;
+  LineFile frames_;
+  LineFile trajectory_;
+  RunLog log_;
+};
+
+}  // namespace edvo

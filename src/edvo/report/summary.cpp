@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/report/summary.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace edvo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Enough digits for any use, few enough to read. JSON knows no NaN or infinity: they become null.
+Json number(double value, int decimals) {
+  if (!std::isfinite(value)) return nullptr;
+  const double scale = std::pow(10.0, decimals);
+  const double scaled = value * scale;
+  constexpr double kExact = 1e15;  // beyond this a double has no such decimals to cut
+  return std::abs(scaled) < kExact ? std::round(scaled) / scale : value;
+}
+
+constexpr int kPoseDecimals = 9;
+constexpr int kMillisecondDecimals = 3;
+constexpr int kRatioDecimals = 4;
+
+Json pose_array(const SE3& pose) {
+  Json array = Json::array();
+  for (int i = 0; i < 3; ++i) array.push_back(number(pose.translation[i], kPoseDecimals));
+  const Eigen::Vector4d xyzw = pose.rotation.coeffs();
+  for (int i = 0; i < 4; ++i) array.push_back(number(xyzw[i], kPoseDecimals));
+  return array;
+}
+
+Json levels_array(const std::vector<LevelStats>& levels) {
+  Json array = Json::array();
+  for (const LevelStats& level : levels)
+    array.push_back({{"level", level.level},
+                     {"iterations", level.iterations},
+                     {"points", level.points},
+                     {"cost", number(level.cost, 6)},
+                     {"converged", level.converged}});
+  return array;
+}
+
+// The information matrix spans many orders of magnitude: seven significant digits of each.
+Json upper_triangle(const Matrix6d& information) {
+  Json array = Json::array();
+  for (int row = 0; row < 6; ++row)
+    for (int column = row; column < 6; ++column) {
+      const double value = information(row, column);
+      if (std::isfinite(value)) {
+        array.push_back(std::stod(fmt::format("{:.7g}", value)));
+      } else {
+        array.push_back(nullptr);
+      }
+    }
+  return array;
+}
+
+Json stage_times(const StageTimes& times) {
+  Json object = Json::object();
+  for (const Stage& stage : kStages)
+    object[std::string(stage.name)] = number(times.*stage.time, kMillisecondDecimals);
+  object["total"] = number(times.total, kMillisecondDecimals);
+  return object;
+}
+
+Json to_json(const Percentiles& percentiles) {
+  return {{"median", number(percentiles.median, kMillisecondDecimals)},
+          {"p95", number(percentiles.p95, kMillisecondDecimals)},
+          {"p99", number(percentiles.p99, kMillisecondDecimals)}};
+}
+
+Json to_json(const Machine& machine) {
+  return {{"processor", machine.processor},
+          {"hardware_threads", machine.hardware_threads},
+          {"operating_system", machine.operating_system},
+          {"compiler", machine.compiler},
+          {"opencv", machine.opencv},
+          {"eigen", machine.eigen}};
+}
+
+Json camera_object(const RunDescription& run) {
+  const Camera& pinhole = run.camera.pinhole;
+  return {{"origin", run.camera_origin},
+          {"fx", pinhole.fx},
+          {"fy", pinhole.fy},
+          {"cx", pinhole.cx},
+          {"cy", pinhole.cy},
+          {"width", pinhole.width},
+          {"height", pinhole.height},
+          {"distortion_k1_k2_p1_p2_k3", run.camera.distortion}};
+}
+
+Json skipped_array(const std::vector<SkippedFrame>& skipped) {
+  Json array = Json::array();
+  for (const SkippedFrame& frame : skipped)
+    array.push_back({{"index", frame.index}, {"stamp", frame.stamp}, {"reason", frame.reason}});
+  return array;
+}
+
+template <typename Value>
+Percentiles percentiles_of(const std::vector<FrameRecord>& frames, Value&& value) {
+  std::vector<double> values;
+  values.reserve(frames.size());
+  for (const FrameRecord& frame : frames) values.push_back(value(frame));
+  return {.median = quantile(values, 0.5),
+          .p95 = quantile(values, 0.95),
+          .p99 = quantile(values, 0.99)};
+}
+
+// File names and paths need not be valid UTF-8; JSON text must be.
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double p) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double position = p * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const double fraction = position - static_cast<double>(below);
+  return values[below] + fraction * (values[above] - values[below]);
+}
+
+double path_length(const Trajectory& trajectory) {
+  double length = 0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    length += (trajectory[i].world_from_camera.translation -
+               trajectory[i - 1].world_from_camera.translation)
+                  .norm();
+  return length;
+}
+
+std::string config_hash(std::string_view config) {
+  std::uint64_t hash = 0xcbf29ce484222325;  // FNV offset basis
+  for (const char c : config) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 0x100000001b3;  // FNV prime
+  }
+  return fmt::format("{:016x}", hash);
+}
+
+RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutcome& outcome) {
+  RunSummary summary{.run = run,
+                     .machine = this_machine(),
+                     .keyframes = static_cast<std::int64_t>(outcome.keyframes.size()),
+                     .skipped = log.skipped,
+                     .path_length = path_length(outcome.trajectory),
+                     .wall_seconds = outcome.wall_seconds,
+                     .peak_memory = peak_memory(),
+                     .interrupted = outcome.interrupted};
+  bool was_lost = false;
+  for (const FrameRecord& frame : log.frames) {
+    const bool is_lost = frame.status == FrameStatus::kLost;
+    ++(is_lost ? summary.lost : summary.tracked);
+    if (is_lost && !was_lost) ++summary.lost_events;
+    was_lost = is_lost;
+  }
+  for (const Stage& stage : kStages)
+    summary.stage_milliseconds.push_back(percentiles_of(
+        log.frames, [&](const FrameRecord& frame) { return frame.milliseconds.*stage.time; }));
+  summary.total_milliseconds = percentiles_of(
+      log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
+  return summary;
+}
+
+std::string to_json_line(const FrameReport& report) {
+  Json line = {{"index", report.index},
+               {"stamp", to_string(report.stamp)},
+               {"status", name_of(report.status)},
+               {"pose", pose_array(report.world_from_camera)},
+               {"points", report.points},
+               {"inlier_ratio", number(report.inlier_ratio, kRatioDecimals)},
+               {"overlap", number(report.overlap, kRatioDecimals)},
+               {"rms", number(report.rms, kRatioDecimals)},
+               {"levels", levels_array(report.levels)},
+               {"keyframe", nullptr},
+               {"information", upper_triangle(report.information)},
+               {"ms", stage_times(report.milliseconds)}};
+  if (report.keyframe) line["keyframe"] = name_of(*report.keyframe);
+  return dump(line, -1);
+}
+
+std::string to_json_line(const SkippedFrame& skipped) {
+  return dump({{"index", skipped.index},
+               {"stamp", skipped.stamp},
+               {"status", "skipped"},
+               {"reason", skipped.reason}},
+              -1);
+}
+
+std::string to_json(const RunSummary& summary) {
+  const RunDescription& run = summary.run;
+  const auto processed = static_cast<double>(summary.tracked + summary.lost);
+  Json stages = Json::object();
+  for (std::size_t i = 0; i < kStages.size(); ++i)
+    stages[std::string(kStages[i].name)] = to_json(summary.stage_milliseconds[i]);
+  stages["total"] = to_json(summary.total_milliseconds);
+  Json json = {{"schema_version", kSchemaVersion},
+               {"edvo_version", summary.machine.edvo},
+               {"sequence", run.sequence},
+               {"source", run.source},
+               {"command", run.command},
+               {"method", run.method},
+               {"config_hash", config_hash(run.config)},
+               {"seed", nullptr},
+               {"interrupted", summary.interrupted},
+               {"camera", camera_object(run)},
+               {"depth", {{"units_per_metre", run.depth_scale}, {"origin", run.depth_origin}}},
+               {"frames",
+                {{"total", run.frames},
+                 {"tracked", summary.tracked},
+                 {"lost", summary.lost},
+                 {"skipped", summary.skipped.size()}}},
+               {"lost_events", summary.lost_events},
+               {"keyframes", summary.keyframes},
+               {"path_length_m", number(summary.path_length, 4)},
+               {"wall_s", number(summary.wall_seconds, 3)},
+               {"frames_per_second",
+                number(summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0, 2)},
+               {"ms", stages},
+               {"peak_memory_mb", number(summary.peak_memory, 1)},
+               {"evaluation", nullptr},
+               {"skipped", skipped_array(summary.skipped)},
+               {"notes", run.notes},
+               {"warnings", run.warnings},
+               {"machine", to_json(summary.machine)}};
+  if (run.seed) json["seed"] = *run.seed;
+  return dump(json, 2) + "\n";
+}
+
+}  // namespace edvo

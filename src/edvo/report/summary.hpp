@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// What is known about a run: before it, frame by frame, and at its end.
+#pragma once
+
+#include "edvo/core/camera.hpp"
+#include "edvo/core/trajectory.hpp"
+#include "edvo/odometry/frame_report.hpp"
+#include "edvo/report/machine.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace edvo {
+
+// Raised when a field of summary.json or frames.jsonl changes its meaning or goes.
+inline constexpr int kSchemaVersion = 1;
+
+// Known before the first frame.
+struct RunDescription {
+  std::string sequence;  // its name
+  std::string source;    // where it was read from
+  std::string command;   // exactly as given
+  std::string method;
+  std::string config;  // resolved, TOML
+  DistortedCamera camera;
+  std::string camera_origin;  // which camera this is, and why it was taken
+  double depth_scale = 0;     // [units per metre], 0 = depth came in metres
+  std::string depth_origin;
+  std::int64_t frames = 0;              // in the sequence, or asked for
+  std::optional<std::uint64_t> seed;    // where something random took part
+  std::vector<std::string> notes;       // what was found and chosen
+  std::vector<std::string> warnings;    // what the user should look at
+};
+
+// The stages of a frame, in the order in which they run.
+struct Stage {
+  std::string_view name;
+  double StageTimes::*time;
+};
+inline constexpr std::array<Stage, 6> kStages = {{{"frame", &StageTimes::frame},
+                                                  {"edges", &StageTimes::edges},
+                                                  {"corners", &StageTimes::corners},
+                                                  {"selection", &StageTimes::selection},
+                                                  {"tracking", &StageTimes::tracking},
+                                                  {"window", &StageTimes::window}}};
+
+// The little that is kept of each frame, whatever the length of the sequence.
+struct FrameRecord {
+  std::int64_t index = 0;
+  Stamp stamp;
+  FrameStatus status = FrameStatus::kLost;
+  std::optional<KeyframeReason> keyframe;
+  float inlier_ratio = 0, overlap = 0;  // [0..1]
+  StageTimes milliseconds;
+};
+
+struct SkippedFrame {
+  std::int64_t index = 0;
+  std::string stamp;
+  std::string reason;
+};
+
+struct RunLog {
+  std::vector<FrameRecord> frames;
+  std::vector<SkippedFrame> skipped;
+  Trajectory online;  // each pose as known when its frame was processed; lost frames left out
+};
+
+// Known at the end.
+struct RunOutcome {
+  Trajectory trajectory;  // as known at the end
+  Trajectory keyframes;
+  double wall_seconds = 0;
+  bool interrupted = false;
+};
+
+struct Percentiles {
+  double median = 0, p95 = 0, p99 = 0;
+};
+
+struct RunSummary {
+  RunDescription run;
+  Machine machine;
+  std::int64_t tracked = 0;  // frames with a pose, the first one included
+  std::int64_t lost = 0;
+  std::int64_t lost_events = 0;  // runs of consecutive lost frames
+  std::int64_t keyframes = 0;
+  std::vector<SkippedFrame> skipped;
+  double path_length = 0;   // of the trajectory as known at the end [m]
+  double wall_seconds = 0;  // from the first frame asked for to the last pose
+  double peak_memory = 0;   // [MB]
+  bool interrupted = false;
+  std::vector<Percentiles> stage_milliseconds = {};  // one per stage of kStages
+  Percentiles total_milliseconds = {};           // of a whole frame, reading it excluded
+};
+
+[[nodiscard]] RunSummary summarize(const RunDescription& run, const RunLog& log,
+                                   const RunOutcome& outcome);
+
+// summary.json: one object, indented.
+[[nodiscard]] std::string to_json(const RunSummary& summary);
+
+// One line of frames.jsonl.
+[[nodiscard]] std::string to_json_line(const FrameReport& report);
+[[nodiscard]] std::string to_json_line(const SkippedFrame& skipped);
+
+// The p-th quantile, p in [0..1], by linear interpolation; 0 of nothing.
+[[nodiscard]] double quantile(std::vector<double> values, double p);
+
+// Length of the line through the positions. [m]
+[[nodiscard]] double path_length(const Trajectory& trajectory);
+
+// Fingerprint of a resolved configuration (64-bit FNV-1a of the text, hexadecimal).
+[[nodiscard]] std::string config_hash(std::string_view config);
+
+}  // namespace edvo

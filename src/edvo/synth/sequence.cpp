@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/synth/sequence.hpp"
+
+#include "edvo/core/error.hpp"
+#include "edvo/synth/furniture.hpp"
+#include "edvo/synth/rays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace edvo::synth {
+namespace {
+
+constexpr std::int64_t kFirstSecond = 1'300'000'000;  // stamps look like recorded ones [s]
+constexpr int kPosesPerFrame = 4;
+
+Stamp stamp_at(double seconds) {
+  const Stamp since_start = stamp_from_seconds(seconds);
+  return {.nanoseconds = kFirstSecond * 1'000'000'000 + since_start.nanoseconds,
+          .decimals = since_start.decimals};
+}
+
+double time_of(const SequenceOptions& options, int number) {
+  return number / options.rate;
+}
+
+void check(const Camera& camera) {
+  if (!(camera.fx > 0) || camera.fy == 0 || !std::isfinite(camera.fy) || camera.width < 1 ||
+      camera.height < 1)
+    throw Error(ErrorCode::kCalibration,
+                "synthetic camera: focal lengths and size must be positive, got fx " +
+                    std::to_string(camera.fx) + ", fy " + std::to_string(camera.fy) + ", " +
+                    std::to_string(camera.width) + "x" + std::to_string(camera.height));
+}
+
+// The frames that arrive. The first always does: it defines the start.
+std::vector<int> kept_frames(const SequenceOptions& options) {
+  Random random{static_cast<std::uint64_t>(options.seed), 3};
+  std::vector<int> kept;
+  for (int number = 0; number < options.frames; ++number) {
+    const bool dropped = random.uniform() < options.dropped_share;
+    if (!dropped || number == 0) kept.push_back(number);
+  }
+  return kept;
+}
+
+// Crosses from left to right, square to the camera's view in the middle of the sequence. It hides
+// about a quarter of the image when it passes the centre.
+constexpr double kBoxDistance = 0.9;  // [m]
+constexpr double kBoxSpeed = 0.8;     // [m/s]
+
+void add_moving_box(SyntheticSequence& sequence) {
+  Builder builder{.scene = std::move(sequence.scene),
+                  .random = Random{static_cast<std::uint64_t>(sequence.options.seed), 4},
+                  .painted = {}};
+  const int cover = add_material(builder, Pattern::kPoster, {40, 60, 90}, {150, 200, 235});
+  const Camera& camera = sequence.camera.pinhole;
+  const double area = 0.25 * camera.width * camera.height / (camera.fx * std::abs(camera.fy));
+  const double side = kBoxDistance * std::sqrt(area);  // [m]
+  add_box(builder, {}, Eigen::Vector3d::Constant(side), cover);
+
+  const double middle = 0.5 * time_of(sequence.options, sequence.options.frames - 1);  // [s]
+  const SE3 world_from_camera = pose_at(sequence.path, middle);
+  Solid& box = builder.scene.solids.back();
+  box.world_from_solid = world_from_camera;
+  box.velocity = kBoxSpeed * (world_from_camera.rotation * Eigen::Vector3d::UnitX());
+  box.world_from_solid.translation =
+      world_from_camera * Eigen::Vector3d{0, 0, kBoxDistance + side / 2} - middle * box.velocity;
+  sequence.scene = std::move(builder.scene);
+}
+
+Render render_at(const SyntheticSequence& sequence, double seconds) {
+  return render(sequence.scene, seconds, pose_at(sequence.path, seconds), sequence.rays,
+                sequence.threads);
+}
+
+// The mean of pictures taken while the shutter is open; depth is of the middle of that time.
+void blur_motion(const SyntheticSequence& sequence, double seconds, Render& image) {
+  constexpr int kPictures = 5;
+  const double open = sequence.options.exposure_time;
+  cv::Mat_<cv::Vec3f> sum = image.bgr.clone();
+  for (int i = 0; i < kPictures; ++i) {
+    if (i == kPictures / 2) continue;  // that one is given
+    const double offset = open * ((i + 0.5) / kPictures - 0.5);
+    sum += render_at(sequence, seconds + offset).bgr;
+  }
+  image.bgr = sum * (1.0 / kPictures);
+}
+
+}  // namespace
+
+SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedCamera& camera,
+                                const Trajectory& recorded) {
+  check(camera.pinhole);
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  SyntheticSequence sequence{
+      .options = options,
+      .camera = camera,
+      .scene = make_scene(options.scene, seed),
+      .path = {.name = options.path, .stage = {}, .seed = seed, .recorded = {}},
+      .rays = make_rays(camera),
+      .kept = {}};
+  sequence.path.stage = sequence.scene.stage;
+  if (!recorded.empty()) {
+    sequence.path.recorded = fit_into(sequence.scene, recorded);
+    const double duration = seconds_between(recorded.front().stamp, recorded.back().stamp);
+    const auto last = static_cast<int>(std::min(duration * options.rate, 1e9));
+    sequence.options.frames = std::min(options.frames, last + 1);
+  }
+  sequence.kept = kept_frames(sequence.options);
+  if (options.moving_box) add_moving_box(sequence);
+  return sequence;
+}
+
+StampedPose pose_of(const SyntheticSequence& sequence, int index) {
+  const double seconds = time_of(sequence.options, sequence.kept[static_cast<std::size_t>(index)]);
+  return {.stamp = stamp_at(seconds), .world_from_camera = pose_at(sequence.path, seconds)};
+}
+
+RgbdImage make_frame(const SyntheticSequence& sequence, int index) {
+  const SequenceOptions& options = sequence.options;
+  const int number = sequence.kept[static_cast<std::size_t>(index)];
+  const double seconds = time_of(options, number);
+  Render exact = render_at(sequence, seconds);
+  if (options.exposure_time > 0) blur_motion(sequence, seconds, exact);
+  RgbdImage image = sense(exact, options.sensor, sequence.camera.pinhole.fx, seconds,
+                          static_cast<std::uint64_t>(options.seed),
+                          static_cast<std::uint64_t>(number), sequence.threads);
+  image.stamp = stamp_at(seconds);
+  return image;
+}
+
+Trajectory ground_truth(const SyntheticSequence& sequence) {
+  const SequenceOptions& options = sequence.options;
+  Trajectory truth;
+  for (int i = 0; i <= (options.frames - 1) * kPosesPerFrame; ++i) {
+    const double seconds = time_of(options, i / kPosesPerFrame) +
+                           (i % kPosesPerFrame) / (options.rate * kPosesPerFrame);
+    truth.push_back(
+        {.stamp = stamp_at(seconds), .world_from_camera = pose_at(sequence.path, seconds)});
+  }
+  return truth;
+}
+
+}  // namespace edvo::synth

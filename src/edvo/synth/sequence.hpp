@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// Rendered RGB-D sequences with exact ground truth, made frame by frame in memory.
+#pragma once
+
+#include "edvo/core/camera.hpp"
+#include "edvo/core/fields.hpp"
+#include "edvo/core/image.hpp"
+#include "edvo/core/trajectory.hpp"
+#include "edvo/synth/path.hpp"
+#include "edvo/synth/scene.hpp"
+#include "edvo/synth/sensor.hpp"
+
+#include <concepts>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace edvo::synth {
+
+// The camera of most RGB-D recordings, without distortion.
+inline constexpr DistortedCamera kDefaultCamera{
+    .pinhole = {.fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5, .width = 640, .height = 480}};
+
+struct SequenceOptions {
+  SceneName scene = SceneName::kOffice;
+  PathName path = PathName::kDemo;
+  int seed = 0;
+  int frames = 300;          // before drops
+  double rate = 30;          // [Hz]
+  double exposure_time = 0;  // [s]
+  bool moving_box = false;
+  double dropped_share = 0;  // [0..1]
+  SensorOptions sensor;
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, SequenceOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("scene", self.scene, Range{}, "room to render");
+  visit("path", self.path, Range{}, "motion of the camera");
+  visit("seed", self.seed, Range{0, 1e9}, "of textures, motion and noise");
+  visit("frames", self.frames, Range{1, 1e6}, "length of the sequence, dropped frames included");
+  visit("rate", self.rate, Range{1, 1000}, "frames per second [Hz]");
+  visit("exposure_time", self.exposure_time, Range{0, 0.2}, "blurs motion; 0 = none [s]");
+  visit("moving_box", self.moving_box, Range{},
+        "a box crosses a quarter of the image in the middle of the sequence");
+  visit("dropped_share", self.dropped_share, Range{0, 0.9}, "share of frames lost at random");
+}
+
+// All there is to know about a sequence before a frame is rendered.
+struct SyntheticSequence {
+  SequenceOptions options;
+  DistortedCamera camera;
+  Scene scene;
+  Path path;
+  cv::Mat_<cv::Vec2f> rays;  // of make_rays(camera)
+  std::vector<int> kept;     // numbers of the frames that were not dropped, ascending
+  int threads = 0;           // 0 = all of the machine's
+};
+
+// recorded: if not empty, the camera moves like this instead of options.path (see fit_into); the
+// sequence ends where the recording does. Throws Error(kCalibration) if the camera cannot be.
+[[nodiscard]] SyntheticSequence make_sequence(const SequenceOptions& options,
+                                              const DistortedCamera& camera = kDefaultCamera,
+                                              const Trajectory& recorded = {});
+
+[[nodiscard]] inline int frame_count(const SyntheticSequence& sequence) {
+  return static_cast<int>(sequence.kept.size());
+}
+
+// The exact pose of a frame, index in [0..frame_count).
+[[nodiscard]] StampedPose pose_of(const SyntheticSequence& sequence, int index);
+
+// Frames may be made in any order, or at the same time: the bits are the same.
+[[nodiscard]] RgbdImage make_frame(const SyntheticSequence& sequence, int index);
+
+// As a motion capture system would record it: four poses for each frame time, one of them exactly
+// at the frame's stamp.
+[[nodiscard]] Trajectory ground_truth(const SyntheticSequence& sequence);
+
+}  // namespace edvo::synth

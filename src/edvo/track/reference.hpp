@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// A keyframe as the tracker sees it: points in space with intensity and Jacobian, level by level.
+#pragma once
+
+#include "edvo/track/selection.hpp"
+
+#include <array>
+#include <vector>
+
+namespace edvo {
+
+// Structure of arrays: the inner loops run over points. All arrays have the same length.
+struct ReferenceLevel {
+  Camera camera;
+  std::vector<float> x, y, z;                  // in the keyframe camera [m]
+  std::vector<float> intensity;                // [grey levels]
+  std::vector<float> weight;                   // 1 / (1 + (gradient / softness)^2)
+  std::array<std::vector<float>, 6> jacobian;  // d intensity / d xi, xi = (rho, phi)
+};
+
+struct Reference {
+  std::vector<ReferenceLevel> levels;  // as in the frame: 0 = full size
+};
+
+// Builds what the inverse-compositional alignment needs: at each level the points' intensities and
+// the derivative of intensity by a motion of the point, both from the keyframe's own bilinear
+// image.
+[[nodiscard]] Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& pixels,
+                                       double softness);
+
+}  // namespace edvo

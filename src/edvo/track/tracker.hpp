@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// Direct alignment of a frame to a keyframe, coarse to fine.
+#pragma once
+
+#include "edvo/core/se3.hpp"
+#include "edvo/track/reference.hpp"
+#include "edvo/track/robust.hpp"
+
+#include <concepts>
+
+namespace edvo {
+
+struct TrackOptions {
+  int finest_level = 0;
+  int coarsest_level = 3;
+  Loss loss = Loss::kHuber;
+  double loss_parameter = 1.345;
+  double min_sigma = 2.0;  // [grey levels]
+  double softness = 40.0;  // [grey levels / px]
+  int max_iterations = 30;
+  double step_tolerance = 0.01;  // [px]
+  bool brightness = true;
+  double min_overlap = 0.3;  // [0..1]
+  double min_inliers = 0.4;  // [0..1]
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, TrackOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("finest_level", self.finest_level, Range{0, 7}, "last pyramid level used, 0 = full image");
+  visit("coarsest_level", self.coarsest_level, Range{0, 7}, "first pyramid level used");
+  visit("loss", self.loss, Range{}, "robust loss of the residuals (Eq. 6: huber)");
+  visit("loss_parameter", self.loss_parameter, Range{0.1, 100},
+        "theta_H of Eq. 6, Tukey's cut-off or Student's degrees of freedom [sigmas]");
+  visit("min_sigma", self.min_sigma, Range{0.01, 255},
+        "least sigma of photometric residuals; above it the data decide [grey levels]");
+  visit("softness", self.softness, Range{1, 1e6},
+        "gradient at which a pixel's weight is halved [grey levels / px]");
+  visit("max_iterations", self.max_iterations, Range{1, 1000}, "linearizations per level");
+  visit("step_tolerance", self.step_tolerance, Range{1e-6, 1},
+        "a step that moves pixels by less ends the level [px of that level]");
+  visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
+  visit("min_overlap", self.min_overlap, Range{0, 1},
+        "share of the keyframe's points in view, below which a frame is lost [0..1]");
+  visit("min_inliers", self.min_inliers, Range{0, 1},
+        "share of points in view that fit, below which a frame is lost [0..1]");
+}
+
+// The pose of a frame and its brightness: I_current = gain * I_reference + bias.
+struct Alignment {
+  SE3 cur_from_ref;
+  double gain = 1;
+  double bias = 0;  // [grey levels]
+};
+
+// One pyramid level of one frame's alignment.
+struct LevelStats {
+  int level = 0;       // 0 = full resolution
+  int iterations = 0;  // linearizations
+  int points = 0;      // residuals at this level
+  double cost = 0;     // mean robust cost at the end [residual sigmas squared]
+  bool converged = false;
+};
+
+enum class TrackStatus { kTracked, kLost };
+
+struct TrackResult {
+  Alignment alignment;
+  Matrix6d information = Matrix6d::Zero();  // of xi in cur_from_ref * exp(xi)
+  TrackStatus status = TrackStatus::kLost;
+  double overlap = 0;              // [0..1]
+  double inlier_ratio = 0;         // [0..1]
+  double sigma = 0;                // of the residuals at the finest level [grey levels]
+  std::vector<LevelStats> levels;  // coarse to fine
+};
+
+[[nodiscard]] TrackResult track(const Reference& reference, const Frame& frame,
+                                const Alignment& guess, const TrackOptions& options);
+
+// Mean robust cost of a guess at the coarsest level: to choose between guesses.
+[[nodiscard]] double coarse_cost(const Reference& reference, const Frame& frame,
+                                 const Alignment& guess, const TrackOptions& options);
+
+}  // namespace edvo

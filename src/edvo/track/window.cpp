@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/track/window.hpp"
+
+#include "edvo/track/window_system.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+cv::Mat_<cv::Vec4f> with_gradient(const cv::Mat_<std::uint8_t>& gray) {
+  cv::Mat_<cv::Vec4f> image(gray.size());
+  for (int y = 0; y < gray.rows; ++y) {
+    const std::uint8_t* above = gray[std::max(y - 1, 0)];
+    const std::uint8_t* row = gray[y];
+    const std::uint8_t* below = gray[std::min(y + 1, gray.rows - 1)];
+    cv::Vec4f* out = image[y];
+    for (int x = 0; x < gray.cols; ++x) {
+      const int left = std::max(x - 1, 0), right = std::min(x + 1, gray.cols - 1);
+      out[x] = {static_cast<float>(row[x]), 0.5F * static_cast<float>(row[right] - row[left]),
+                0.5F * static_cast<float>(below[x] - above[x]), 0.F};
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_key,
+                                    const std::vector<SelectedPixel>& pixels,
+                                    const WindowOptions& options) {
+  const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
+  WindowKeyframe key{.world_from_key = world_from_key};
+  key.gray = gray;
+  constexpr float kJump = 0.03F;
+  key.inverse_depth = cv::Mat_<float>(gray.size(), std::numeric_limits<float>::quiet_NaN());
+  for (int y = 2; y < gray.rows - 2; ++y)
+    for (int x = 2; x < gray.cols - 2; ++x) {
+      const float z = frame.depth(y, x);
+      bool smooth = true;
+      for (const auto& [dx, dy] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}})
+        smooth = smooth && std::abs(frame.depth(y + dy, x + dx) - z) < kJump * z;
+      if (smooth) key.inverse_depth(y, x) = 1.F / z;
+    }
+  const float soft2 = static_cast<float>(options.softness * options.softness);
+  for (const SelectedPixel& selected : pixels) {
+    WindowPoint point{.u = static_cast<float>(selected.pixel.x),
+                      .v = static_cast<float>(selected.pixel.y)};
+    point.measured = point.inverse_depth = 1.0 / static_cast<double>(selected.depth);
+    const double bias = options.depth_bias * point.measured;
+    point.weight = 1.0 / (options.depth_noise * options.depth_noise + bias * bias);
+    for (std::size_t k = 0; k < kPatchSize; ++k) {
+      const int x = selected.pixel.x + static_cast<int>(kPatternX[k]);
+      const int y = selected.pixel.y + static_cast<int>(kPatternY[k]);
+      const float gx = 0.5F * static_cast<float>(gray(y, x + 1) - gray(y, x - 1));
+      const float gy = 0.5F * static_cast<float>(gray(y + 1, x) - gray(y - 1, x));
+      point.intensity[k] = gray(y, x);
+      point.softness[k] = soft2 / (soft2 + gx * gx + gy * gy);
+    }
+    key.points.push_back(point);
+  }
+  return key;
+}
+
+double shared_view(const WindowKeyframe& host, const WindowKeyframe& target, const Camera& camera) {
+  const SE3 target_from_host = inverse(target.world_from_key) * host.world_from_key;
+  int seen = 0, tried = 0;
+  for (std::size_t i = 0; i < host.points.size(); i += 5) {
+    const WindowPoint& point = host.points[i];
+    const double z = 1 / point.inverse_depth;
+    const Eigen::Vector3d x = target_from_host * back_project(camera, point.u, point.v, z);
+    ++tried;
+    if (x.z() < 0.5 * z || x.z() > 2 * z) continue;  // too different in scale to match patches
+    const Eigen::Vector2d pixel = project(camera, x);
+    seen += pixel.x() > 3 && pixel.y() > 3 && pixel.x() < camera.width - 4 &&
+            pixel.y() < camera.height - 4;
+  }
+  return tried > 0 ? static_cast<double>(seen) / tried : 0.0;
+}
+
+WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
+                            const WindowOptions& options) {
+  const int count = static_cast<int>(window.size());
+  fixed = std::min(fixed, count - 1);
+  if (count < 2) return {};
+  for (WindowKeyframe& key : window)
+    if (key.image.empty()) key.image = with_gradient(key.gray);
+  WindowSystem system = linearize_window(window, camera, fixed, options);
+  WindowSummary summary{1, system.cost, system.cost};
+  double lambda = 1e-4;
+  while (summary.iterations < options.iterations) {
+    Eigen::MatrixXd damped = system.hessian;
+    damped.diagonal() *= 1 + lambda;
+    const Eigen::VectorXd step = -damped.ldlt().solve(system.gradient);
+    if (!step.allFinite()) break;
+    const std::vector<WindowKeyframe> before = window;
+    apply_step(system, step, fixed, window);
+    WindowSystem next = linearize_window(window, camera, fixed, options);
+    ++summary.iterations;
+    if (next.cost < system.cost) {
+      const double gained = system.cost - next.cost;
+      system = std::move(next);
+      summary.last_cost = system.cost;
+      lambda = std::max(1e-7, lambda * 0.25);
+      if (gained < options.tolerance * system.cost) break;
+    } else {
+      window = before;
+      lambda *= 16;
+    }
+  }
+  return summary;
+}
+
+}  // namespace edvo

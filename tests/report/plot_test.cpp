@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/report/plot.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+namespace edvo {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Plot two_lines() {
+  return {.title = "Error",
+          .x_label = "time [s]",
+          .y_label = "error [m]",
+          .series = {{.name = "ours", .x = {0, 1, 2}, .y = {0, 2, 1}},
+                     {.name = "theirs", .x = {0, 1, 2}, .y = {1, 1, 3}, .color = "#123456"}}};
+}
+
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(Plot, NamesItsAxesAndItsLines) {
+  const std::string svg = to_svg(two_lines());
+  for (const char* part : {"<svg ", "</svg>", "Error", "time [s]", "error [m]", "ours", "theirs",
+                           "#123456", "#0072b2"})
+    EXPECT_THAT(svg, HasSubstr(part));
+}
+
+TEST(Plot, NeverWritesANumberThatIsNotOne) {
+  Plot plot = two_lines();
+  plot.series[0].y = {0, std::nan(""), std::numeric_limits<double>::infinity()};
+  plot.series[1] = {.name = "empty", .x = {}, .y = {}};
+  const std::string svg = to_svg(plot);
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+}
+
+TEST(Plot, InterruptsALineAtMissingValues) {
+  Plot plot = two_lines();
+  plot.series = {{.name = "a", .x = {0, 1, 2, 3, 4}, .y = {0, 1, std::nan(""), 3, 0}}};
+  const std::string svg = to_svg(plot);
+  const auto line = svg.substr(svg.find("stroke-width=\"1.6\"") - 120, 120);
+  EXPECT_EQ(count(line, "M"), 2) << line;
+}
+
+TEST(Plot, SaysSoWhenThereIsNothingToDraw) {
+  EXPECT_THAT(to_svg(Plot{.title = "t", .x_label = "x", .y_label = "y", .series = {}}),
+              HasSubstr("no data"));
+}
+
+TEST(Plot, EscapesWhatWouldBeMarkup) {
+  Plot plot = two_lines();
+  plot.title = "a<b & \"c\"";
+  EXPECT_THAT(to_svg(plot), HasSubstr("a&lt;b &amp; &quot;c&quot;"));
+}
+
+TEST(Plot, StaysSmallForLongSeries) {
+  Plot plot = two_lines();
+  plot.series.resize(1);
+  plot.series[0].x.clear();
+  plot.series[0].y.clear();
+  for (int i = 0; i < 100000; ++i) {
+    plot.series[0].x.push_back(i);
+    plot.series[0].y.push_back(std::sin(i * 1e-3));
+  }
+  EXPECT_LT(to_svg(plot).size(), 60'000u);
+}
+
+TEST(Plot, GivesMapsOneScale) {
+  Plot plot = two_lines();
+  plot.equal_axes = true;
+  plot.series = {{.name = "square", .x = {0, 1, 1, 0}, .y = {0, 0, 1, 1}}};
+  const std::string svg = to_svg(plot);
+  std::smatch match;
+  const std::regex path(R"re(<path d="M([\d.]+) ([\d.]+)L([\d.]+) ([\d.]+)L([\d.]+) ([\d.]+)L)re");
+  ASSERT_TRUE(std::regex_search(svg, match, path));
+  const double width = std::stod(match[3]) - std::stod(match[1]);
+  const double height = std::stod(match[4]) - std::stod(match[6]);
+  EXPECT_NEAR(width, height, 0.2);
+}
+
+}  // namespace
+}  // namespace edvo
