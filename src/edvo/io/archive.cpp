@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -209,20 +208,12 @@ std::string cache_key(const fs::path& archive) {
 
 }  // namespace
 
-fs::path default_cache() {
-  const auto folder_in = [](const char* variable) {
-    const char* const value = std::getenv(variable);
-    const fs::path folder(value == nullptr ? "" : value);
-    return folder.is_absolute() ? folder : fs::path();
-  };
-  if (const fs::path cache = folder_in("XDG_CACHE_HOME"); !cache.empty()) return cache / "edvo";
-  if (const fs::path home = folder_in("HOME"); !home.empty()) return home / ".cache" / "edvo";
-  throw Error(ErrorCode::kOutput,
-              "nowhere to unpack the archive: neither XDG_CACHE_HOME nor HOME is set");
-}
-
 fs::path unpack_archive(const fs::path& archive, const fs::path& cache,
                         const std::function<void(double)>& on_progress) {
+  if (cache.empty())
+    throw Error(ErrorCode::kOutput, fmt::format("{}: no folder is known to unpack it in; set "
+                                                "XDG_CACHE_HOME or HOME",
+                                                archive.string()));
   const std::string key = cache_key(archive);
   const fs::path target = cache / key;
   std::error_code error;
