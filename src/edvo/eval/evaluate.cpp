@@ -11,12 +11,15 @@ namespace edvo {
 namespace {
 
 constexpr std::size_t kFewestToAlign = 3;
+constexpr double kLargestGap = 1;  // poses further apart in time say nothing about each other [s]
 constexpr double kStandstill = 0.01;  // a path shorter than this is the noise of ground truth [m]
 
 void check(const EvalOptions& options) {
   const double gap = options.association.max_difference;
-  if (!std::isfinite(gap) || gap <= 0)
-    throw Error(ErrorCode::kUsage, fmt::format("max-diff must be above 0 s, got {}", gap));
+  if (!(gap > 0 && gap <= kLargestGap))
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("max-diff must be above 0 s and at most {} s, got {}", kLargestGap, gap));
   if (!std::isfinite(options.association.offset))
     throw Error(ErrorCode::kUsage, "offset must be a finite number of seconds");
   if (options.rpe.max_pairs < 0)

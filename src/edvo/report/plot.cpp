@@ -21,13 +21,15 @@ constexpr double kMapHeight = 480;
 constexpr double kLeft = 74, kRight = 16, kTop = 10, kBottom = 50;
 constexpr double kTitleHeight = 30;
 constexpr double kLegendRow = 20;
-constexpr double kGlyphWidth = 7;   // of the 13 px font, on average
-constexpr double kInvisible = 0.2;  // deviation of a line that cannot be seen
-constexpr int kTicks = 6;           // at most about so many intervals per axis
+constexpr double kGlyphWidth = 7;    // of the 13 px font, on average
+constexpr double kInvisible = 0.2;   // deviation of a line that cannot be seen
+constexpr double kTickSpacing = 80;  // between grid lines, at least [px]
+constexpr double kRowSpacing = 50;   // the same between horizontal ones [px]
 
 // Okabe and Ito's colours: told apart by the colour-blind, on white and on black.
-constexpr std::array<std::string_view, 7> kPalette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                                      "#e69f00", "#56b4e9", "#8c8c8c"};
+// After the last one they come again, dashed.
+constexpr std::array<std::string_view, 6> kPalette = {"#0072b2", "#d55e00", "#009e73",
+                                                      "#cc79a7", "#e69f00", "#56b4e9"};
 constexpr std::string_view kTextColor = "#767b82";  // contrast above 4 on white and on black
 
 struct Point {
@@ -195,9 +197,8 @@ std::vector<Series> piled_up(std::vector<Series> series) {
   return series;
 }
 
-// 1, 2 or 5 times a power of ten.
-double tick_step(const Interval& interval) {
-  const double raw = length(interval) / kTicks;
+// At least so large, and 1, 2 or 5 times a power of ten.
+double tick_step(double raw) {
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
   for (const double factor : {1.0, 2.0, 5.0})
     if (factor * power >= raw) return factor * power;
@@ -219,10 +220,10 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
   std::string labels, grid;
   const double bottom = canvas.top + canvas.height;
   const double right = canvas.left + canvas.width;
-  // One step for both axes of a map: the grid is made of squares.
-  const double shared = std::max(tick_step(canvas.x), tick_step(canvas.y));
-  const double x_step = plot.equal_axes ? shared : tick_step(canvas.x);
-  const double y_step = plot.equal_axes ? shared : tick_step(canvas.y);
+  // The grid of a map is made of squares.
+  const double row_spacing = plot.equal_axes ? kTickSpacing : kRowSpacing;
+  const double x_step = tick_step(length(canvas.x) / canvas.width * kTickSpacing);
+  const double y_step = tick_step(length(canvas.y) / canvas.height * row_spacing);
   for (double i = std::ceil(canvas.x.low / x_step); i * x_step <= canvas.x.high; ++i) {
     const double x = to_pixel(canvas, i * x_step, 0).x;
     grid += fmt::format("M{:.1f} {:.1f}V{:.1f}", x, canvas.top, bottom);
@@ -247,9 +248,26 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
              middle, escape_markup(plot.y_label));
 }
 
-std::string_view color_of(const Plot& plot, std::size_t i) {
-  if (!plot.series[i].color.empty()) return plot.series[i].color;
-  return kPalette[i % kPalette.size()];
+struct Look {
+  std::string color;
+  bool dashed = false;
+};
+
+// Lines of given colours use up none of the palette: the n-th of the others looks the same in all
+// plots of a page.
+Look look_of(const Plot& plot, std::size_t i) {
+  if (!plot.series[i].color.empty()) return {plot.series[i].color};
+  const auto before = plot.series.begin() + static_cast<std::ptrdiff_t>(i);
+  const auto n = static_cast<std::size_t>(std::count_if(
+      plot.series.begin(), before, [](const Series& series) { return series.color.empty(); }));
+  return {std::string(kPalette[n % kPalette.size()]), n / kPalette.size() % 2 == 1};
+}
+
+// The attributes of a line's stroke.
+std::string stroke_of(const Plot& plot, std::size_t i) {
+  const Look look = look_of(plot, i);
+  return fmt::format("stroke=\"{}\"{}", escape_markup(look.color),
+                     look.dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 struct Legend {
@@ -272,9 +290,8 @@ Legend make_legend(const Plot& plot, double top) {
       legend.height += kLegendRow;
     }
     const double y = top + legend.height - kLegendRow;
-    legend.svg += fmt::format(
-        "<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"3\" stroke-linecap=\"round\"/>",
-        x, y, escape_markup(color_of(plot, i)));
+    legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" {} stroke-width=\"3\"/>", x, y,
+                              stroke_of(plot, i));
     legend.svg += text(x + 28, y + 4, "start", plot.series[i].name);
     x += width;
   }
@@ -287,10 +304,9 @@ std::string lines_of(const Canvas& canvas, const Plot& plot) {
     const std::string path = path_of(canvas, plot.series[i], plot.equal_axes);
     if (path.empty()) continue;
     lines += fmt::format(
-        "<path d=\"{}\" class=\"series\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" "
+        "<path d=\"{}\" class=\"series\" fill=\"none\" {} stroke-width=\"{}\" "
         "stroke-linejoin=\"round\" stroke-linecap=\"round\"><title>{}</title></path>\n",
-        path, escape_markup(color_of(plot, i)), plot.series[i].thickness,
-        escape_markup(plot.series[i].name));
+        path, stroke_of(plot, i), plot.series[i].thickness, escape_markup(plot.series[i].name));
   }
   return lines;
 }
@@ -305,8 +321,8 @@ std::string areas_of(const Canvas& canvas, const Plot& plot) {
     if (path.empty()) continue;
     areas += fmt::format(
         "<path d=\"{}V{:.1f}H{:.1f}Z\" class=\"series\" fill=\"{}\"><title>{}</title></path>\n",
-        path, bottom, to_pixel(canvas, series.x.front(), 0).x, escape_markup(color_of(plot, i)),
-        escape_markup(series.name));
+        path, bottom, to_pixel(canvas, series.x.front(), 0).x,
+        escape_markup(look_of(plot, i).color), escape_markup(series.name));
   }
   return areas;
 }
