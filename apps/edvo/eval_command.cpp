@@ -10,7 +10,6 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -126,12 +125,12 @@ void evaluate_all(const Arguments& arguments) {
   std::vector<NamedEvaluation> evaluations;
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
-  if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
   if (arguments.json || arguments.format == "json") {
     fmt::print("{}", evaluation_json(arguments.truth, truth, evaluations));
   } else {
     print_table(arguments.truth, named<TableFormat>(arguments.format), evaluations);
   }
+  if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
 }
 
 }  // namespace

@@ -248,26 +248,25 @@ std::string axes_of(const Canvas& canvas, const Plot& plot) {
              middle, escape_markup(plot.y_label));
 }
 
-struct Look {
-  std::string color;
-  bool dashed = false;
-};
-
-// Lines of given colours use up none of the palette: the n-th of the others looks the same in all
-// plots of a page.
-Look look_of(const Plot& plot, std::size_t i) {
-  if (!plot.series[i].color.empty()) return {plot.series[i].color};
+// The place of a series in the palette. Lines of given colours use up none of it: the n-th of the
+// others looks the same in all plots of a page.
+std::size_t palette_index(const Plot& plot, std::size_t i) {
   const auto before = plot.series.begin() + static_cast<std::ptrdiff_t>(i);
-  const auto n = static_cast<std::size_t>(std::count_if(
+  return static_cast<std::size_t>(std::count_if(
       plot.series.begin(), before, [](const Series& series) { return series.color.empty(); }));
-  return {std::string(kPalette[n % kPalette.size()]), n / kPalette.size() % 2 == 1};
 }
 
-// The attributes of a line's stroke.
+std::string color_of(const Plot& plot, std::size_t i) {
+  if (!plot.series[i].color.empty()) return escape_markup(plot.series[i].color);
+  return std::string(kPalette[palette_index(plot, i) % kPalette.size()]);
+}
+
+// How a line is drawn: the attributes of its stroke.
 std::string stroke_of(const Plot& plot, std::size_t i) {
-  const Look look = look_of(plot, i);
-  return fmt::format("stroke=\"{}\"{}", escape_markup(look.color),
-                     look.dashed ? " stroke-dasharray=\"6 4\"" : "");
+  const bool dashed =
+      plot.series[i].color.empty() && palette_index(plot, i) / kPalette.size() % 2 == 1;
+  return fmt::format("stroke=\"{}\"{}", color_of(plot, i),
+                     dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 struct Legend {
@@ -290,8 +289,9 @@ Legend make_legend(const Plot& plot, double top) {
       legend.height += kLegendRow;
     }
     const double y = top + legend.height - kLegendRow;
-    legend.svg += fmt::format("<path d=\"M{:.1f} {:.1f}h22\" {} stroke-width=\"3\"/>", x, y,
-                              stroke_of(plot, i));
+    legend.svg += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}h22\" {} stroke-width=\"3\" stroke-linecap=\"round\"/>", x, y,
+        stroke_of(plot, i));
     legend.svg += text(x + 28, y + 4, "start", plot.series[i].name);
     x += width;
   }
@@ -321,8 +321,8 @@ std::string areas_of(const Canvas& canvas, const Plot& plot) {
     if (path.empty()) continue;
     areas += fmt::format(
         "<path d=\"{}V{:.1f}H{:.1f}Z\" class=\"series\" fill=\"{}\"><title>{}</title></path>\n",
-        path, bottom, to_pixel(canvas, series.x.front(), 0).x,
-        escape_markup(look_of(plot, i).color), escape_markup(series.name));
+        path, bottom, to_pixel(canvas, series.x.front(), 0).x, color_of(plot, i),
+        escape_markup(series.name));
   }
   return areas;
 }
