@@ -14,6 +14,7 @@ using namespace edvo::app;
 const std::vector<void (*)(CLI::App&)> kVerbs = {
     add_run_command,
     add_demo_command,
+    add_synth_command,
     add_eval_command,
     add_config_command,
 };
