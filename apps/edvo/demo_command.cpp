@@ -64,6 +64,7 @@ void add_demo_command(CLI::App& program) {
   CLI::App* verb = program.add_subcommand(
       "demo", "Render a room, track the camera through it and write a report; needs no data");
   const auto arguments = std::make_shared<Arguments>();
+  arguments->run.threads = 3;  // rendering costs more than tracking: two frames at a time
   add_run_options(*verb, arguments->run);
   add_sequence_flags(*verb, arguments->sequence);
   verb->callback([arguments] { run(*arguments); });
