@@ -40,7 +40,6 @@ std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame&
 // True if a signal ended it early.
 bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
                Progress& progress) {
-  const StopSignal signal;
   while (const std::optional<FetchedFrame> frame = frames.next()) {
     const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
     std::variant<FrameReport, Error> result = process(odometry, *frame);
@@ -101,6 +100,7 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
   Recorder recorder(make_run_folder(options, description.sequence), description);
   Progress progress(description.frames, options.quiet);
 
+  const StopSignal signal;  // also while the results are written
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   Prefetch frames(input.read, input.count, {.threads = options.threads});

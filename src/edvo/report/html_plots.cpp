@@ -19,7 +19,7 @@ constexpr double kPlotWidth = 580;   // [px]
 constexpr double kPlotHeight = 290;  // [px]
 constexpr double kMapHeight = 430;   // [px]
 constexpr std::size_t kMostRoutePoints = 1500;
-constexpr std::size_t kMostBars = 500;  // columns of the plot of times
+constexpr std::size_t kMostBars = 1000;  // columns of the plot of times
 
 constexpr const char* kTruthColor = "#8c8c8c";
 constexpr const char* kFinalColor = "#0072b2";
@@ -208,7 +208,8 @@ Figure quality_figure(const RunLog& log, const Timeline& timeline) {
   plot.y_limits = Limits{0, 1.03};
   plot.marks = timeline.keyframes;
   return {.title = "Tracking quality",
-          .caption = "Ticks below: keyframes. Red: lost.",
+          .caption = timeline.lost.empty() ? "Ticks below: keyframes."
+                                           : "Ticks below: keyframes. Red: tracking was lost.",
           .attributes = "data-kind=\"time\"",
           .plot = std::move(plot)};
 }
