@@ -37,6 +37,17 @@ std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame&
   }
 }
 
+void skip(const SkippedFrame& frame, Recorder& recorder, Progress& progress) {
+  constexpr std::size_t kMostWarnings = 10;  // a folder half empty must not flood the terminal
+  recorder.append(frame);
+  const std::size_t count = recorder.log().skipped.size();
+  if (count <= kMostWarnings)
+    progress.say(fmt::format("warning: frame {} skipped: {}", frame.index, frame.reason));
+  if (count == kMostWarnings)
+    progress.say("warning: should more be skipped, frames.jsonl will name them");
+  progress.frame_skipped();
+}
+
 // True if a signal ended it early.
 bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
                Progress& progress) {
@@ -50,11 +61,10 @@ bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Re
     } else {
       const Error& error = std::get<Error>(result);
       if (error.code() != ErrorCode::kInput) throw Error(error);
-      recorder.append(SkippedFrame{.index = index,
-                                   .stamp = to_string(input.stamp_of(frame->index)),
-                                   .reason = error.what()});
-      progress.say(fmt::format("warning: frame {} skipped: {}", index, error.what()));
-      progress.frame_skipped();
+      skip({.index = index,
+            .stamp = to_string(input.stamp_of(frame->index)),
+            .reason = error.what()},
+           recorder, progress);
     }
     if (stop_requested()) return true;
   }
