@@ -115,16 +115,14 @@ SE3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
 }
 
 Path make_path(PathName name, const Stage& stage, std::uint64_t seed) {
-  constexpr double kSpan = 10, kStep = 0.02;  // [s]
   Path path{.name = name, .stage = stage, .seed = seed, .recorded = {}};
   if (name != PathName::kDemo) return path;
-  constexpr int kRounds = 4;  // the pace changes what part of the motion is measured: settle down
-  for (int round = 0; round < kRounds; ++round) {
-    double length = 0;
-    for (double t = 0; t < kSpan; t += kStep)
-      length += (demo(path, t + kStep).translation - demo(path, t).translation).norm();
-    path.pace *= kDemoSpeed * kSpan / length;
-  }
+  // Follow the motion until it has the length that it shall have in that time.
+  constexpr double kSpan = 10, kStep = 0.02;  // [s]
+  double seconds = 0;
+  for (double length = 0; length < kDemoSpeed * kSpan; seconds += kStep)
+    length += (demo(path, seconds + kStep).translation - demo(path, seconds).translation).norm();
+  path.pace = seconds / kSpan;
   return path;
 }
 

@@ -212,7 +212,12 @@ Scene make_scene(SceneName name, std::uint64_t seed) {
 
 double clearance(const Scene& scene, const Eigen::Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Solid& solid : scene.solids) nearest = std::min(nearest, distance_to(solid, point));
+  for (const Solid& solid : scene.solids) {
+    const double from_middle = (point - solid.world_from_solid.translation).norm();
+    const bool too_far = from_middle - solid.half.norm() >= nearest;  // whatever its turn
+    if (solid.shape == Shape::kRoom || !too_far)
+      nearest = std::min(nearest, distance_to(solid, point));
+  }
   return nearest;
 }
 
