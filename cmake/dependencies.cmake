@@ -1,5 +1,5 @@
-# Everything comes from Debian's packages; scripts/packages.txt names them. The installed
-# edvoConfig.cmake includes this file too, to find what a program linking edvo needs.
+# Everything comes from Debian's packages; scripts/packages.txt names them. What a program that links
+# edvo needs is said again in edvoConfig.cmake.in: keep both in step.
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCVParts 4.5 REQUIRED COMPONENTS core imgproc dnn)

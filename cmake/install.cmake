@@ -1,0 +1,24 @@
+# cmake --install: the library with its headers, the program, and what find_package(edvo) reads.
+include(CMakePackageConfigHelpers)
+set(edvo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/edvo)
+
+install(TARGETS edvo EXPORT edvoTargets)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/edvo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT edvoTargets NAMESPACE edvo:: DESTINATION ${edvo_cmake_dir})
+if(TARGET edvo_app)
+  install(TARGETS edvo_app)
+endif()
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/edvoConfig.cmake.in
+                              ${CMAKE_CURRENT_BINARY_DIR}/edvoConfig.cmake
+                              INSTALL_DESTINATION ${edvo_cmake_dir})
+# Before 1.0 a minor version may change the interface.
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/edvoConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/edvoConfig.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/edvoConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake
+        DESTINATION ${edvo_cmake_dir})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+        DESTINATION ${CMAKE_INSTALL_DOCDIR})

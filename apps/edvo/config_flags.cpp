@@ -14,6 +14,7 @@ namespace {
 
 std::vector<std::string> method_names() {
   std::vector<std::string> names;
+  names.reserve(EnumNames<Method>::names.size());
   for (const auto& [value, name] : EnumNames<Method>::names) names.emplace_back(name);
   return names;
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // edvo eval GROUND_TRUTH ESTIMATE...
 #include "commands.hpp"
-
 #include "edvo/core/error.hpp"
 #include "edvo/io/output_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
-#include "edvo/report/evaluation_report.hpp"
+#include "eval_plots.hpp"
+#include "eval_tables.hpp"
 
 #include <fmt/core.h>
+#include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -46,7 +46,7 @@ Enum named(std::string_view wanted) {
 
 EvalOptions options_from(const Arguments& arguments) {
   EvalOptions options = arguments.options;
-  options.alignment = named<Alignment>(arguments.alignment);
+  options.alignment = named<AlignmentKind>(arguments.alignment);
   options.association.protocol = named<Protocol>(arguments.protocol);
   if (!arguments.delta.empty()) {
     options.rpe.delta = parse_delta(arguments.delta);
@@ -99,20 +99,23 @@ void write_plots(const fs::path& folder, const Trajectory& truth,
   fmt::print(stderr, "plots: {}\n", (folder / "*.svg").string());
 }
 
+// With several estimates one line for all, with EST where a file goes.
+std::string evo_line(const std::string& truth_file,
+                     const std::vector<NamedEvaluation>& evaluations) {
+  const NamedEvaluation& first = evaluations.front();
+  const std::vector<std::string> commands =
+      evo_commands(truth_file, evaluations.size() == 1 ? first.file : "EST", first.estimate,
+                   first.evaluation.options);
+  return fmt::format("with evo: {}", fmt::join(commands, " && "));
+}
+
 void print_table(const std::string& truth_file, TableFormat format,
                  const std::vector<NamedEvaluation>& evaluations) {
-  const auto note = [&](const std::string& line) { fmt::print("{}", format_note(line, format)); };
   const EvalOptions& options = evaluations.front().evaluation.options;
-  note(describe_protocol(options));
-  note("coverage = " + describe_coverage(options));
-  fmt::print("{}{}", format == TableFormat::kText || format == TableFormat::kMarkdown ? "\n" : "",
-             format_table(evaluation_table(evaluations), format));
-  std::string evo;
-  for (const NamedEvaluation& evaluation : evaluations)
-    for (const std::string& command : evo_commands(truth_file, evaluation))
-      evo += (evo.empty() ? "" : "; ") + command;
-  if (format == TableFormat::kText) fmt::print("\n");
-  note("evo: " + evo);
+  fmt::print("{}{}{}{}", format_note(describe_protocol(options), format),
+             format_note("coverage = " + describe_coverage(options), format),
+             format_table(evaluation_table(evaluations), format),
+             format_note(evo_line(truth_file, evaluations), format));
 }
 
 void evaluate_all(const Arguments& arguments) {
@@ -122,12 +125,12 @@ void evaluate_all(const Arguments& arguments) {
   std::vector<NamedEvaluation> evaluations;
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
-  if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
   if (arguments.json || arguments.format == "json") {
     fmt::print("{}", evaluation_json(arguments.truth, truth, evaluations));
   } else {
     print_table(arguments.truth, named<TableFormat>(arguments.format), evaluations);
   }
+  if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
 }
 
 }  // namespace
@@ -143,7 +146,7 @@ void add_eval_command(CLI::App& program) {
   command->add_option("GT", arguments->truth, "ground truth trajectory")->required();
   command->add_option("EST", arguments->estimates, "estimated trajectories")->required();
   command->add_option("--align", arguments->alignment, "alignment before ATE")
-      ->check(CLI::IsMember(names_of<Alignment>()))
+      ->check(CLI::IsMember(names_of<AlignmentKind>()))
       ->capture_default_str();
   command->add_option("--delta", arguments->delta,
                       "RPE between poses so far apart: 1s 30f 0.5m 0.1rad 10deg, or all pairs: all "
@@ -161,9 +164,11 @@ void add_eval_command(CLI::App& program) {
       ->capture_default_str();
   command->add_option("--frames", options.frames,
                       "images the estimates were made from; coverage is then poses / frames");
-  command->add_option("--max-pairs", options.rpe.max_pairs, "more RPE pairs are sampled, 0 = none")
+  command
+      ->add_option("--max-pairs", options.rpe.max_pairs,
+                   "of more RPE pairs so many are drawn by chance, 0 = no limit")
       ->capture_default_str();
-  command->add_option("--seed", options.rpe.seed, "of that sampling")->capture_default_str();
+  command->add_option("--seed", options.rpe.seed, "of that draw")->capture_default_str();
   command->add_option("--format", arguments->format, "what to print")
       ->check(CLI::IsMember(formats))
       ->capture_default_str();

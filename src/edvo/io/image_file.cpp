@@ -90,11 +90,11 @@ void decode_png(const path& file, const PngReader& png, spng_format format, cv::
 
 cv::Mat_<cv::Vec3b> decode_png_colour(const path& file, std::string_view bytes) {
   const PngReader png = open_png(file, bytes);
-  cv::Mat rgb(static_cast<int>(png.header.height), static_cast<int>(png.header.width), CV_8UC3);
-  decode_png(file, png, SPNG_FMT_RGB8, rgb);
-  cv::Mat_<cv::Vec3b> bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  return bgr;
+  cv::Mat_<cv::Vec3b> image(static_cast<int>(png.header.height),
+                            static_cast<int>(png.header.width));
+  decode_png(file, png, SPNG_FMT_RGB8, image);
+  for (cv::Vec3b& pixel : image) std::swap(pixel[0], pixel[2]);  // RGB to BGR
+  return image;
 }
 
 // Cameras that stream motion JPEG leave harmless stray bytes behind a frame; any other warning of

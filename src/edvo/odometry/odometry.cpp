@@ -69,7 +69,9 @@ struct Odometry::State {
     if (config.window.keyframes > 0) {
       SelectOptions fewer = config.selection;
       fewer.max_points = config.window.points;
-      window.push_back(make_window_keyframe(frame, world_from_camera, select_pixels(frame, mask, undistortion.valid, fewer), config.window));
+      window.push_back(make_window_keyframe(frame, world_from_camera,
+                                            select_pixels(frame, mask, undistortion.valid, fewer),
+                                            config.window));
       refine();
     }
     times.window = watch.lap();
@@ -84,7 +86,10 @@ struct Odometry::State {
     const std::size_t recent = std::min(count, static_cast<std::size_t>(config.window.keyframes));
     std::vector<std::pair<double, std::size_t>> candidates;
     const std::size_t oldest = count - recent;
-    for (std::size_t k = oldest > static_cast<std::size_t>(config.window.memory) ? oldest - static_cast<std::size_t>(config.window.memory) : 0; k < oldest; ++k) {
+    for (std::size_t k = oldest > static_cast<std::size_t>(config.window.memory)
+                             ? oldest - static_cast<std::size_t>(config.window.memory)
+                             : 0;
+         k < oldest; ++k) {
       window[k].image.release();
       const double view = shared_view(window.back(), window[k], undistortion.camera);
       if (view > 0.3) candidates.push_back({-view, k});

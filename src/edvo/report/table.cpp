@@ -143,7 +143,7 @@ std::string format_note(const std::string& line, TableFormat format) {
     case TableFormat::kText:
       return line + '\n';
     case TableFormat::kMarkdown:
-      return '\n' + line + '\n';  // a paragraph of its own
+      return '\n' + line + "\n\n";  // a paragraph of its own
     case TableFormat::kCsv:
       return "# " + line + '\n';
     case TableFormat::kLatex:

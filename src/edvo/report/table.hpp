@@ -30,7 +30,8 @@ struct Table {
 // Whatever a format treats as markup is escaped. Ends with a line break.
 [[nodiscard]] std::string format_table(const Table& table, TableFormat format);
 
-// "# " or whatever starts a comment in that format, and the text, each line of it.
+// A line beside the table: a comment where the format has them, else a line or paragraph of its
+// own.
 [[nodiscard]] std::string format_note(const std::string& line, TableFormat format);
 
 }  // namespace edvo

@@ -17,17 +17,18 @@ struct WindowOptions {
   int anchors = 5;
   int memory = 100;
   int points = 600;
-  int iterations = 6;
-  double sigma = 6.0;             // [grey levels]
-  double huber = 1.345;           // [sigmas]
-  double softness = 50.0;         // [grey levels / px]
-  double depth_noise = 0.0015;    // [1 / m]
-  double depth_bias = 0.0;
+  int iterations = 5;
+  double tolerance = 1e-4;
+  double sigma = 6.0;           // [grey levels]
+  double huber = 1.345;         // [sigmas]
+  double softness = 50.0;       // [grey levels / px]
+  double depth_noise = 0.0015;  // [1 / m]
+  double depth_bias = 0.003;
   double geometric = 1.0;
 };
 
 template <typename Self, typename Visitor>
-  requires std::same_as<std::remove_const_t<Self>, WindowOptions>
+requires std::same_as<std::remove_const_t<Self>, WindowOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("keyframes", self.keyframes, Range{0, 50}, "keyframes refined together; 0 = no refinement");
   visit("anchors", self.anchors, Range{1, 50},
@@ -35,6 +36,8 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("memory", self.memory, Range{1, 10000}, "older keyframes kept as possible anchors");
   visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
   visit("iterations", self.iterations, Range{1, 100}, "linearizations per refinement");
+  visit("tolerance", self.tolerance, Range{0, 1},
+        "a step that lowers the cost by a smaller share ends the refinement");
   visit("sigma", self.sigma, Range{0.1, 255}, "sigma of the photometric residuals [grey levels]");
   visit("huber", self.huber, Range{0.1, 100}, "theta_H of the photometric residuals [sigmas]");
   visit("softness", self.softness, Range{1, 1e6},
@@ -45,23 +48,26 @@ void visit_fields(Self& self, Visitor&& visit) {
         "weight of the depth residuals between keyframes; 0 = off");
 }
 
+// The patch around a point: offsets from its pixel, the centre first [px] (DSO's pattern).
 constexpr int kPatchSize = 8;
+constexpr float kPatternX[kPatchSize] = {0, 0, -1, 1, -2, 2, -1, 0};
+constexpr float kPatternY[kPatchSize] = {0, -2, -1, -1, 0, 0, 1, 2};
 
 struct WindowPoint {
-  float u = 0, v = 0;                            // level 0 [px]
-  double inverse_depth = 0;                      // [1 / m]
-  double measured = 0;                           // [1 / m]
-  double weight = 0;                             // 1 / sigma^2 of measured [m^2]
-  std::array<float, kPatchSize> intensity{};     // [grey levels]
-  std::array<float, kPatchSize> softness{};      // weights by gradient [0..1]
+  float u = 0, v = 0;                         // level 0 [px]
+  double inverse_depth = 0;                   // [1 / m]
+  double measured = 0;                        // [1 / m]
+  double weight = 0;                          // 1 / sigma^2 of measured [m^2]
+  std::array<float, kPatchSize> intensity{};  // [grey levels]
+  std::array<float, kPatchSize> softness{};   // weights by gradient [0..1]
 };
 
 struct WindowKeyframe {
   SE3 world_from_key;
-  double gain = 1, bias = 0;                  // I = gain * radiance + bias
-  cv::Mat_<std::uint8_t> gray;                // level 0
-  cv::Mat_<cv::Vec4f> image;                  // intensity, d/du, d/dv, 0; only while in a window
-  cv::Mat_<float> inverse_depth;              // [1 / m], NaN = none or on a jump
+  double gain = 1, bias = 0;      // I = gain * radiance + bias
+  cv::Mat_<std::uint8_t> gray;    // level 0
+  cv::Mat_<cv::Vec4f> image;      // intensity, d/du, d/dv, 0; only while in a window
+  cv::Mat_<float> inverse_depth;  // [1 / m], NaN = none or on a jump
   std::vector<WindowPoint> points;
 };
 
@@ -78,7 +84,8 @@ struct WindowSummary {
 [[nodiscard]] double shared_view(const WindowKeyframe& host, const WindowKeyframe& target,
                                  const Camera& camera);
 
-// Lowers the joint cost over poses, brightness and inverse depths of all but the first `fixed` keyframes.
+// Lowers the joint cost over poses, brightness and inverse depths of all but the first `fixed`
+// keyframes.
 WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
                             const WindowOptions& options);
 

@@ -1,0 +1,26 @@
+# edvo installed to a fresh folder, then each example built against it and run, as a user would.
+set(installed ${CMAKE_BINARY_DIR}/install)
+set(example_runs ${CMAKE_BINARY_DIR}/example-runs)
+
+add_test(NAME install.clean COMMAND ${CMAKE_COMMAND} -E rm -rf ${installed} ${example_runs})
+add_test(NAME install COMMAND ${CMAKE_COMMAND} --install ${CMAKE_BINARY_DIR} --prefix ${installed})
+add_test(NAME install.run COMMAND ${installed}/bin/edvo config)
+set_tests_properties(install.clean PROPERTIES FIXTURES_SETUP clean_install)
+set_tests_properties(install PROPERTIES FIXTURES_REQUIRED clean_install FIXTURES_SETUP installed)
+set_tests_properties(install.run PROPERTIES FIXTURES_REQUIRED installed)
+
+# edvo_add_example(FOLDER [NAME VALUE]... ): the rest are properties of the test that runs it.
+function(edvo_add_example folder program arguments)
+  add_test(NAME example.${folder}
+           COMMAND ${CMAKE_CTEST_COMMAND}
+             --build-and-test ${PROJECT_SOURCE_DIR}/examples/${folder}
+                              ${CMAKE_BINARY_DIR}/examples/${folder}
+             --build-generator ${CMAKE_GENERATOR}
+             --build-options -DCMAKE_PREFIX_PATH=${installed} -DCMAKE_BUILD_TYPE=Release
+                             -DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}
+                             -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+             --test-command ${program} ${arguments})
+  set_tests_properties(example.${folder} PROPERTIES FIXTURES_REQUIRED installed)
+endfunction()
+
+edvo_add_example(02_own_camera own_camera "")
