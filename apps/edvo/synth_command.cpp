@@ -13,6 +13,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <future>
@@ -78,7 +79,7 @@ void write_frames(const synth::SyntheticSequence& sequence, int threads, const f
   colour_list.append("# colour images\n# timestamp filename");
   depth_list.append("# depth images\n# timestamp filename");
   const int count = synth::frame_count(sequence), batch = synth::thread_count(threads);
-  for (int first = 0, tenths = 1; first < count; first += batch) {
+  for (int first = 0; first < count; first += batch) {
     std::vector<std::future<std::string>> stamps;
     for (int index = first; index < std::min(first + batch, count); ++index)
       stamps.push_back(std::async(std::launch::async, [&sequence, &folder, index] {
@@ -89,8 +90,10 @@ void write_frames(const synth::SyntheticSequence& sequence, int threads, const f
       colour_list.append(fmt::format("{0} rgb/{0}.png", stamp));
       depth_list.append(fmt::format("{0} depth/{0}.png", stamp));
     }
-    for (; (first + batch) * 10 >= count * tenths && tenths < 10; ++tenths)
-      fmt::print(stderr, "synth: {} % of {} frames\n", tenths * 10, count);
+    const int tenths_before = 10 * first / count;
+    const int tenths = std::min(10 * (first + batch) / count, 10);
+    if (tenths > tenths_before)
+      fmt::print(stderr, "synth: {} % of {} frames\n", 10 * tenths, count);
   }
 }
 
