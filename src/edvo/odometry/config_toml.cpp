@@ -165,6 +165,12 @@ std::vector<std::string> all_keys(const Config& config) {
   return keys;
 }
 
+bool is_group(const Config& config, std::string_view word) {
+  bool found = false;
+  visit_groups(config, [&](std::string_view group, const auto&, auto) { found |= group == word; });
+  return found;
+}
+
 // A field without its group is the likelier slip than a misspelled one.
 std::string hint(std::string_view word, const std::vector<std::string>& keys) {
   for (const std::string& key : keys)
@@ -219,16 +225,11 @@ std::string to_toml(const Config& config) {
 Config config_from_toml(std::string_view text, const std::string& source, Config base) {
   const toml::table root = parse(text, source);
   for (const auto& [group, options] : root) {
-    const auto* table = options.as_table();
-    if (!table || table->empty()) {
-      bool is_group = false;
-      visit_groups(base, [&](std::string_view name, const auto&, auto) {
-        is_group |= table && name == group.str();
-      });
-      if (!is_group) refuse_key(line_of(options, source), group.str(), base);
-      continue;
-    }
-    for (const auto& [name, node] : *table)
+    const toml::table* fields = options.as_table();
+    const bool is_empty_group = fields && fields->empty() && is_group(base, group.str());
+    if (is_empty_group) continue;
+    if (!fields || fields->empty()) refuse_key(line_of(options, source), group.str(), base);
+    for (const auto& [name, node] : *fields)
       read_key(base, fmt::format("{}.{}", group.str(), name.str()), node, line_of(node, source));
   }
   return base;
