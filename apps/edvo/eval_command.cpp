@@ -46,7 +46,7 @@ Enum named(std::string_view wanted) {
 
 EvalOptions options_from(const Arguments& arguments) {
   EvalOptions options = arguments.options;
-  options.alignment = named<Alignment>(arguments.alignment);
+  options.alignment = named<AlignmentKind>(arguments.alignment);
   options.association.protocol = named<Protocol>(arguments.protocol);
   if (!arguments.delta.empty()) {
     options.rpe.delta = parse_delta(arguments.delta);
@@ -146,7 +146,7 @@ void add_eval_command(CLI::App& program) {
   command->add_option("GT", arguments->truth, "ground truth trajectory")->required();
   command->add_option("EST", arguments->estimates, "estimated trajectories")->required();
   command->add_option("--align", arguments->alignment, "alignment before ATE")
-      ->check(CLI::IsMember(names_of<Alignment>()))
+      ->check(CLI::IsMember(names_of<AlignmentKind>()))
       ->capture_default_str();
   command->add_option("--delta", arguments->delta,
                       "RPE between poses so far apart: 1s 30f 0.5m 0.1rad 10deg, or all pairs: all "

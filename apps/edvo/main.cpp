@@ -12,6 +12,7 @@ using namespace edvo::app;
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
 const std::vector<void (*)(CLI::App&)> kVerbs = {
+    add_run_command,
     add_eval_command,
     add_config_command,
 };
@@ -23,12 +24,15 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): printing the message of an error may fail, too
 int main(int argc, char** argv) {
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
   program.require_subcommand(1);
   for (const auto add : kVerbs) add(program);
   try {
     program.parse(argc, argv);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();  // the verb has said all there is to say
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
     return fail(edvo::ErrorCode::kUsage, explain(program, error, argc > 1 ? argv[1] : ""));

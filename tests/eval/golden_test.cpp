@@ -33,7 +33,7 @@ Evaluation evaluated(Protocol protocol, double max_difference, const char* delta
   return evaluate(
       f.truth, f.estimate,
       {.association = {.protocol = protocol, .max_difference = max_difference, .offset = 0},
-       .alignment = Alignment::kSe3,
+       .alignment = AlignmentKind::kSe3,
        .rpe = {.delta = parse_delta(delta)}});
 }
 

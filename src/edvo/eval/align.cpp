@@ -17,9 +17,9 @@ constexpr double kStandstill = 1e-9;  // spread of the last written decimal: no 
 }  // namespace
 
 Similarity align(const Eigen::Matrix3Xd& target, const Eigen::Matrix3Xd& source,
-                 Alignment alignment) {
+                 AlignmentKind alignment) {
   assert(target.cols() == source.cols());
-  if (alignment == Alignment::kNone) return {};
+  if (alignment == AlignmentKind::kNone) return {};
   if (source.cols() < kFewestPoints)
     throw Error(ErrorCode::kEvaluation,
                 fmt::format("alignment needs at least {} pairs of poses, got {}", kFewestPoints,
@@ -39,7 +39,7 @@ Similarity align(const Eigen::Matrix3Xd& target, const Eigen::Matrix3Xd& source,
   Similarity similarity;
   const double squared_spread = source_centred.squaredNorm();
   const double count = static_cast<double>(source.cols());
-  if (alignment == Alignment::kSim3 && squared_spread > count * kStandstill * kStandstill)
+  if (alignment == AlignmentKind::kSim3 && squared_spread > count * kStandstill * kStandstill)
     similarity.scale = svd.singularValues().dot(signs) / squared_spread;
   similarity.motion = {.rotation = Eigen::Quaterniond(rotation).normalized(),
                        .translation = target_mean - similarity.scale * (rotation * source_mean)};

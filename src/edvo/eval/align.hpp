@@ -9,18 +9,18 @@
 
 namespace edvo {
 
-enum class Alignment {
+enum class AlignmentKind {
   kNone,  // the estimate stays where it is
   kSe3,   // rotation and translation
   kSim3,  // and scale, for cameras that cannot know it
 };
 
 template <>
-struct EnumNames<Alignment> {
-  static constexpr auto names = std::to_array<std::pair<Alignment, std::string_view>>({
-      {Alignment::kNone, "none"},
-      {Alignment::kSe3, "se3"},
-      {Alignment::kSim3, "sim3"},
+struct EnumNames<AlignmentKind> {
+  static constexpr auto names = std::to_array<std::pair<AlignmentKind, std::string_view>>({
+      {AlignmentKind::kNone, "none"},
+      {AlignmentKind::kSe3, "se3"},
+      {AlignmentKind::kSim3, "sim3"},
   });
 };
 
@@ -35,7 +35,7 @@ struct Similarity {
 // scale stays 1 where the source does not move. Throws Error(kEvaluation) below three points unless
 // alignment is kNone.
 [[nodiscard]] Similarity align(const Eigen::Matrix3Xd& target, const Eigen::Matrix3Xd& source,
-                               Alignment alignment);
+                               AlignmentKind alignment);
 
 [[nodiscard]] inline Eigen::Vector3d operator*(const Similarity& a, const Eigen::Vector3d& point) {
   return a.motion * Eigen::Vector3d(a.scale * point);

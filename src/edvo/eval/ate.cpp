@@ -4,7 +4,7 @@
 namespace edvo {
 
 Ate absolute_trajectory_error(const Trajectory& truth, const Trajectory& estimate,
-                              const std::vector<Match>& matches, Alignment alignment) {
+                              const std::vector<Match>& matches, AlignmentKind alignment) {
   Eigen::Matrix3Xd target(3, matches.size()), source(3, matches.size());
   for (std::size_t i = 0; i < matches.size(); ++i) {
     target.col(i) = truth[matches[i].truth].world_from_camera.translation;

@@ -16,7 +16,7 @@ struct AteError {
 };
 
 struct Ate {
-  Alignment alignment = Alignment::kSe3;
+  AlignmentKind alignment = AlignmentKind::kSe3;
   Similarity truth_from_estimate;
   Statistics distance;           // [m]
   std::vector<AteError> errors;  // one per match, in order of time
@@ -24,6 +24,7 @@ struct Ate {
 
 // Throws Error(kEvaluation) where there are too few matches to align.
 [[nodiscard]] Ate absolute_trajectory_error(const Trajectory& truth, const Trajectory& estimate,
-                                            const std::vector<Match>& matches, Alignment alignment);
+                                            const std::vector<Match>& matches,
+                                            AlignmentKind alignment);
 
 }  // namespace edvo

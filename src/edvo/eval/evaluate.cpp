@@ -38,7 +38,7 @@ std::string time_range(const Trajectory& trajectory) {
 
 void require_enough(const std::vector<Match>& matches, const Trajectory& truth,
                     const Trajectory& estimate, const EvalOptions& options) {
-  const std::size_t needed = options.alignment == Alignment::kNone ? 1 : kFewestToAlign;
+  const std::size_t needed = options.alignment == AlignmentKind::kNone ? 1 : kFewestToAlign;
   if (matches.size() >= needed) return;
   throw Error(ErrorCode::kEvaluation,
               fmt::format("{} of {} poses have ground truth within {} s, at least {} needed: "
@@ -114,8 +114,8 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
 std::string describe_protocol(const EvalOptions& options) {
   const bool tum = options.association.protocol == Protocol::kTum;
   std::string alignment = "not aligned";
-  if (options.alignment == Alignment::kSe3) alignment = "SE(3)-aligned";
-  if (options.alignment == Alignment::kSim3) alignment = "Sim(3)-aligned";
+  if (options.alignment == AlignmentKind::kSe3) alignment = "SE(3)-aligned";
+  if (options.alignment == AlignmentKind::kSim3) alignment = "Sim(3)-aligned";
   std::string offset;
   if (options.association.offset != 0)
     offset = fmt::format(", offset {} s", options.association.offset);

@@ -14,7 +14,7 @@ namespace edvo {
 // The defaults are the protocol of the TUM benchmark, in which papers quote ATE and RPE.
 struct EvalOptions {
   AssociateOptions association;
-  Alignment alignment = Alignment::kSe3;
+  AlignmentKind alignment = AlignmentKind::kSe3;
   RpeOptions rpe;
   int frames = 0;  // images that the estimate was made from, 0 = unknown
 };

@@ -47,13 +47,16 @@ int write_all(int descriptor, std::string_view bytes) {
 
 LineFile::LineFile(fs::path path) : path_(std::move(path)), descriptor_(open_for_writing(path_)) {}
 
-LineFile::~LineFile() { ::close(descriptor_); }
+LineFile::~LineFile() {
+  ::close(descriptor_);
+}
 
 void LineFile::append(std::string_view line) {
   std::string with_end(line);
   with_end += '\n';
   if (const int error = write_all(descriptor_, with_end); error != 0) {
-    // Half a line would make the file invalid. A device (as /dev/full) cannot be cut: nothing to do.
+    // Half a line would make the file invalid. A device (as /dev/full) cannot be cut: nothing to
+    // do.
     if (::ftruncate(descriptor_, whole_bytes_) == 0) ::lseek(descriptor_, whole_bytes_, SEEK_SET);
     throw write_error(path_, error);
   }

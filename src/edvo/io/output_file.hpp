@@ -30,5 +30,4 @@ class LineFile {
 // Replaces the file by the content, or, when that throws Error(kOutput), leaves it as it was.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 
-
 }  // namespace edvo

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/machine.hpp"
 
-#include <Eigen/Core>
 #include <fmt/core.h>
-#include <opencv2/core/version.hpp>
 #include <sys/resource.h>
 #include <sys/utsname.h>
+#include <Eigen/Core>
+#include <opencv2/core/version.hpp>
 
 #include <fstream>
 #include <thread>

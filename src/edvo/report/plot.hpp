@@ -2,6 +2,7 @@
 // Line plots as SVG text: compact, no scripts, readable on a light and on a dark page.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ struct Series {
   std::string name;          // in the legend; shown when the plot has more than one series
   std::vector<double> x, y;  // same length
   std::string color = {};    // "#rrggbb"; empty = the next one of the palette
+  double thickness = 1.6;    // [px]
+};
+
+struct Limits {
+  double low = 0, high = 1;
 };
 
 struct Plot {
@@ -19,9 +25,16 @@ struct Plot {
   std::string x_label, y_label;  // with the unit in brackets: "time [s]"
   std::vector<Series> series;
   bool equal_axes = false;  // one metre is as long along x as along y (maps)
+  bool stacked = false;     // areas on top of each other; all x are the same
+  std::optional<Limits> x_limits = {}, y_limits = {};  // otherwise from the data
+  std::vector<Limits> bands = {};                      // spans of x to shade
+  std::vector<double> marks = {};                      // x to tick along the lower border
+  double width = 760, height = 0;  // [px]; height 0 = what suits the kind of plot
 };
 
-// A whole <svg> element, usable as a file and inside an HTML page. Lines are thinned to what can be
+// A whole <svg> element, usable as a file and inside an HTML page. A script finds in its attribute
+// data-area "left top width height [px] x_low x_high y_low y_high" of the axes, and in each path of
+// class "series" the points of a line. Lines are thinned to what can be
 // seen, so that a plot of any length stays a few ten kilobytes.
 [[nodiscard]] std::string to_svg(const Plot& plot);
 

@@ -1,29 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/recorder.hpp"
 
+#include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/html.hpp"
-
-#include <fmt/core.h>
 
 #include <utility>
 
 namespace edvo {
-namespace {
-
-std::string tum_line(const StampedPose& pose) {
-  const Eigen::Vector3d& t = pose.world_from_camera.translation;
-  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}", to_string(pose.stamp),
-                     t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-}
-
-std::string tum_text(const Trajectory& trajectory) {
-  std::string text;
-  for (const StampedPose& pose : trajectory) text += tum_line(pose) + "\n";
-  return text;
-}
-
-}  // namespace
 
 Recorder::Recorder(std::filesystem::path folder, RunDescription run)
     : folder_(std::move(folder)),
@@ -44,7 +27,7 @@ void Recorder::append(const FrameReport& report) {
                          .milliseconds = report.milliseconds});
   if (report.status == FrameStatus::kLost) return;
   const StampedPose pose{.stamp = report.stamp, .world_from_camera = report.world_from_camera};
-  trajectory_.append(tum_line(pose));
+  trajectory_.append(trajectory_line(pose));
   log_.online.push_back(pose);
 }
 
@@ -58,9 +41,9 @@ void Recorder::warn(const std::string& warning) {
 }
 
 RunSummary Recorder::finish(const RunOutcome& outcome, bool with_html) {
-  write_whole(folder_ / "trajectory_online.tum", tum_text(log_.online));
-  write_whole(folder_ / "trajectory.tum", tum_text(outcome.trajectory));
-  write_whole(folder_ / "keyframes.tum", tum_text(outcome.keyframes));
+  write_trajectory(folder_ / "trajectory_online.tum", log_.online);
+  write_trajectory(folder_ / "trajectory.tum", outcome.trajectory);
+  write_trajectory(folder_ / "keyframes.tum", outcome.keyframes);
   const RunSummary summary = summarize(run_, log_, outcome);
   write_whole(folder_ / "summary.json", to_json(summary));
   if (with_html) write_whole(folder_ / "report.html", to_html(summary, log_, outcome));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes a run to its folder, frame by frame, so that whatever happens the results so far are there.
+// Writes a run to its folder, frame by frame, so that whatever happens the results so far are
+// there.
 #pragma once
 
 #include "edvo/io/output_file.hpp"

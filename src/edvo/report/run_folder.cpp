@@ -72,8 +72,9 @@ fs::path make_stamped_run_folder(const fs::path& runs, const std::string& sequen
 void make_named_run_folder(const fs::path& folder, bool force) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw Error(ErrorCode::kOutput,
-                fmt::format("{}: is a file, not a folder; choose another with -o", folder.string()));
+    throw Error(
+        ErrorCode::kOutput,
+        fmt::format("{}: is a file, not a folder; choose another with -o", folder.string()));
   create_folders(folder);
   const bool empty = fs::is_empty(folder, error);
   if (error)
@@ -85,8 +86,7 @@ void make_named_run_folder(const fs::path& folder, bool force) {
     const bool a_run = fs::exists(folder / "frames.jsonl", error);
     throw Error(ErrorCode::kOutput,
                 fmt::format("{}: {}; choose another folder, or replace {} with --force",
-                            folder.string(),
-                            a_run ? "holds an earlier run" : "is not empty",
+                            folder.string(), a_run ? "holds an earlier run" : "is not empty",
                             a_run ? "that run" : "files of the same names"));
   }
   for (const char* name : kRunFiles) fs::remove(folder / name, error);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 namespace edvo {
 namespace {
@@ -67,10 +68,11 @@ Json stage_times(const StageTimes& times) {
   return object;
 }
 
-Json to_json(const Percentiles& percentiles) {
-  return {{"median", number(percentiles.median, kMillisecondDecimals)},
-          {"p95", number(percentiles.p95, kMillisecondDecimals)},
-          {"p99", number(percentiles.p99, kMillisecondDecimals)}};
+Json to_json(const TimeStatistics& times) {
+  return {{"mean", number(times.mean, kMillisecondDecimals)},
+          {"median", number(times.median, kMillisecondDecimals)},
+          {"p95", number(times.p95, kMillisecondDecimals)},
+          {"p99", number(times.p99, kMillisecondDecimals)}};
 }
 
 Json to_json(const Machine& machine) {
@@ -101,12 +103,35 @@ Json skipped_array(const std::vector<SkippedFrame>& skipped) {
   return array;
 }
 
+Json to_json(const TrajectoryErrors& errors) {
+  Json json = {
+      {"ate_rmse_m", number(errors.ate, 6)},     {"ate_median_m", number(errors.ate_median, 6)},
+      {"ate_max_m", number(errors.ate_max, 6)},  {"ate_pairs", errors.ate_pairs},
+      {"rpe_translation_rmse_m_per_s", nullptr}, {"rpe_rotation_rmse_deg_per_s", nullptr},
+      {"rpe_pairs", errors.rpe_pairs},           {"drift_percent", nullptr}};
+  if (errors.rpe_pairs > 0) {
+    json["rpe_translation_rmse_m_per_s"] = number(errors.rpe_translation, 6);
+    json["rpe_rotation_rmse_deg_per_s"] = number(errors.rpe_rotation, 6);
+  }
+  if (errors.drift) json["drift_percent"] = number(*errors.drift, 4);
+  return json;
+}
+
+Json to_json(const RunEvaluation& evaluation) {
+  return {{"ground_truth", evaluation.ground_truth},
+          {"protocol", evaluation.protocol},
+          {"final", to_json(evaluation.final_poses)},
+          {"online", to_json(evaluation.online_poses)}};
+}
+
 template <typename Value>
-Percentiles percentiles_of(const std::vector<FrameRecord>& frames, Value&& value) {
+TimeStatistics statistics_of(const std::vector<FrameRecord>& frames, Value&& value) {
   std::vector<double> values;
   values.reserve(frames.size());
   for (const FrameRecord& frame : frames) values.push_back(value(frame));
-  return {.median = quantile(values, 0.5),
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return {.mean = sum / static_cast<double>(std::max<std::size_t>(1, values.size())),
+          .median = quantile(values, 0.5),
           .p95 = quantile(values, 0.95),
           .p99 = quantile(values, 0.99)};
 }
@@ -137,6 +162,11 @@ double path_length(const Trajectory& trajectory) {
   return length;
 }
 
+double frames_per_second(const RunSummary& summary) {
+  const auto processed = static_cast<double>(summary.tracked + summary.lost);
+  return summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0;
+}
+
 std::string config_hash(std::string_view config) {
   std::uint64_t hash = 0xcbf29ce484222325;  // FNV offset basis
   for (const char c : config) {
@@ -154,7 +184,9 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
                      .path_length = path_length(outcome.trajectory),
                      .wall_seconds = outcome.wall_seconds,
                      .peak_memory = peak_memory(),
-                     .interrupted = outcome.interrupted};
+                     .interrupted = outcome.interrupted,
+                     .evaluation = outcome.evaluation,
+                     .no_evaluation = outcome.no_evaluation};
   bool was_lost = false;
   for (const FrameRecord& frame : log.frames) {
     const bool is_lost = frame.status == FrameStatus::kLost;
@@ -162,11 +194,13 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
     if (is_lost && !was_lost) ++summary.lost_events;
     was_lost = is_lost;
   }
+  const auto due = static_cast<double>(log.frames.size() + log.skipped.size());
+  if (due > 0) summary.coverage = static_cast<double>(summary.tracked) / due;
   for (const Stage& stage : kStages)
-    summary.stage_milliseconds.push_back(percentiles_of(
+    summary.stage_milliseconds.push_back(statistics_of(
         log.frames, [&](const FrameRecord& frame) { return frame.milliseconds.*stage.time; }));
-  summary.total_milliseconds = percentiles_of(
-      log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
+  summary.total_milliseconds =
+      statistics_of(log.frames, [](const FrameRecord& frame) { return frame.milliseconds.total; });
   return summary;
 }
 
@@ -197,7 +231,6 @@ std::string to_json_line(const SkippedFrame& skipped) {
 
 std::string to_json(const RunSummary& summary) {
   const RunDescription& run = summary.run;
-  const auto processed = static_cast<double>(summary.tracked + summary.lost);
   Json stages = Json::object();
   for (std::size_t i = 0; i < kStages.size(); ++i)
     stages[std::string(kStages[i].name)] = to_json(summary.stage_milliseconds[i]);
@@ -218,20 +251,23 @@ std::string to_json(const RunSummary& summary) {
                  {"tracked", summary.tracked},
                  {"lost", summary.lost},
                  {"skipped", summary.skipped.size()}}},
+               {"coverage", number(summary.coverage, 6)},
                {"lost_events", summary.lost_events},
                {"keyframes", summary.keyframes},
                {"path_length_m", number(summary.path_length, 4)},
                {"wall_s", number(summary.wall_seconds, 3)},
-               {"frames_per_second",
-                number(summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0, 2)},
+               {"frames_per_second", number(frames_per_second(summary), 2)},
                {"ms", stages},
                {"peak_memory_mb", number(summary.peak_memory, 1)},
                {"evaluation", nullptr},
+               {"no_evaluation", nullptr},
                {"skipped", skipped_array(summary.skipped)},
                {"notes", run.notes},
                {"warnings", run.warnings},
                {"machine", to_json(summary.machine)}};
   if (run.seed) json["seed"] = *run.seed;
+  if (summary.evaluation) json["evaluation"] = to_json(*summary.evaluation);
+  if (!summary.no_evaluation.empty()) json["no_evaluation"] = summary.no_evaluation;
   return dump(json, 2) + "\n";
 }
 

@@ -30,10 +30,10 @@ struct RunDescription {
   std::string camera_origin;  // which camera this is, and why it was taken
   double depth_scale = 0;     // [units per metre], 0 = depth came in metres
   std::string depth_origin;
-  std::int64_t frames = 0;              // in the sequence, or asked for
-  std::optional<std::uint64_t> seed;    // where something random took part
-  std::vector<std::string> notes;       // what was found and chosen
-  std::vector<std::string> warnings;    // what the user should look at
+  std::int64_t frames = 0;            // in the sequence, or asked for
+  std::optional<std::uint64_t> seed;  // where something random took part
+  std::vector<std::string> notes;     // what was found and chosen
+  std::vector<std::string> warnings;  // what the user should look at
 };
 
 // The stages of a frame, in the order in which they run.
@@ -70,16 +70,45 @@ struct RunLog {
   Trajectory online;  // each pose as known when its frame was processed; lost frames left out
 };
 
+// A measured value over time. A NaN interrupts it.
+struct Curve {
+  std::vector<double> seconds;  // [s] since the first frame
+  std::vector<double> values;
+};
+
+// How far one trajectory is from ground truth.
+struct TrajectoryErrors {
+  double ate = 0, ate_median = 0, ate_max = 0;  // root mean square, median, largest [m]
+  double rpe_translation = 0;                   // root mean square over 1 s [m/s]
+  double rpe_rotation = 0;                      // root mean square over 1 s [deg/s]
+  std::optional<double> drift;                  // end error per path length [%]
+  std::int64_t ate_pairs = 0, rpe_pairs = 0;    // without pairs there is no error
+  Curve ate_curve;                              // [m]
+  Curve rpe_translation_curve;                  // [m/s]
+  Curve rpe_rotation_curve;                     // [deg/s]
+};
+
+struct RunEvaluation {
+  std::string ground_truth;       // where it was read from
+  std::string protocol;           // of all numbers, as one line
+  TrajectoryErrors final_poses;   // trajectory.tum
+  TrajectoryErrors online_poses;  // trajectory_online.tum
+  Trajectory truth;               // during the run, aligned to the trajectory
+};
+
 // Known at the end.
 struct RunOutcome {
   Trajectory trajectory;  // as known at the end
   Trajectory keyframes;
+  std::optional<RunEvaluation> evaluation;
+  std::string no_evaluation;  // why there is none
   double wall_seconds = 0;
   bool interrupted = false;
 };
 
-struct Percentiles {
-  double median = 0, p95 = 0, p99 = 0;
+// Over all frames, also those in which the stage had nothing to do. [ms]
+struct TimeStatistics {
+  double mean = 0, median = 0, p95 = 0, p99 = 0;
 };
 
 struct RunSummary {
@@ -94,8 +123,11 @@ struct RunSummary {
   double wall_seconds = 0;  // from the first frame asked for to the last pose
   double peak_memory = 0;   // [MB]
   bool interrupted = false;
-  std::vector<Percentiles> stage_milliseconds = {};  // one per stage of kStages
-  Percentiles total_milliseconds = {};           // of a whole frame, reading it excluded
+  std::optional<RunEvaluation> evaluation;
+  std::string no_evaluation;
+  double coverage = 0;  // [0..1] frames with a pose, of those that were due so far
+  std::vector<TimeStatistics> stage_milliseconds = {};  // one per stage of kStages
+  TimeStatistics total_milliseconds = {};               // of a whole frame, reading it excluded
 };
 
 [[nodiscard]] RunSummary summarize(const RunDescription& run, const RunLog& log,
@@ -110,6 +142,9 @@ struct RunSummary {
 
 // The p-th quantile, p in [0..1], by linear interpolation; 0 of nothing.
 [[nodiscard]] double quantile(std::vector<double> values, double p);
+
+// Frames processed per second of the whole run, reading them included.
+[[nodiscard]] double frames_per_second(const RunSummary& summary);
 
 // Length of the line through the positions. [m]
 [[nodiscard]] double path_length(const Trajectory& trajectory);

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "run_evaluation.hpp"
+
+#include "edvo/eval/evaluate.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace edvo::app {
+namespace {
+
+// A curve is interrupted where it knows nothing for longer than this. [s]
+constexpr double kLongestStep = 0.5;
+
+void add_point(Curve& curve, double seconds, double value) {
+  if (!curve.seconds.empty() && seconds - curve.seconds.back() > kLongestStep) {
+    curve.seconds.push_back(curve.seconds.back());
+    curve.values.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  curve.seconds.push_back(seconds);
+  curve.values.push_back(value);
+}
+
+TrajectoryErrors errors_from(const Evaluation& evaluation, const Stamp& start) {
+  const Statistics& ate = evaluation.ate.distance;
+  TrajectoryErrors errors{.ate = ate.rmse,
+                          .ate_median = ate.median,
+                          .ate_max = ate.max,
+                          .drift = evaluation.drift.percent,
+                          .ate_pairs = static_cast<std::int64_t>(evaluation.matches.size())};
+  for (const AteError& error : evaluation.ate.errors)
+    add_point(errors.ate_curve, seconds_between(start, error.stamp), error.distance);
+  if (!evaluation.rpe) return errors;
+  errors.rpe_translation = evaluation.rpe->translation.rmse;
+  errors.rpe_rotation = evaluation.rpe->rotation.rmse;
+  errors.rpe_pairs = static_cast<std::int64_t>(evaluation.rpe->errors.size());
+  std::vector<RpeError> pairs = evaluation.rpe->errors;
+  std::sort(pairs.begin(), pairs.end(),
+            [](const RpeError& a, const RpeError& b) { return a.from < b.from; });
+  for (const RpeError& pair : pairs) {
+    const double middle =
+        0.5 * (seconds_between(start, pair.from) + seconds_between(start, pair.to));
+    add_point(errors.rpe_translation_curve, middle, pair.translation);
+    add_point(errors.rpe_rotation_curve, middle, pair.rotation);
+  }
+  return errors;
+}
+
+// The ground truth while the run lasted, as seen from the estimate's world.
+Trajectory aligned_truth(const Trajectory& truth, const Trajectory& estimate,
+                         const SE3& truth_from_estimate) {
+  const SE3 estimate_from_truth = inverse(truth_from_estimate);
+  Trajectory aligned;
+  for (const StampedPose& pose : truth)
+    if (pose.stamp >= estimate.front().stamp && pose.stamp <= estimate.back().stamp)
+      aligned.push_back({pose.stamp, estimate_from_truth * pose.world_from_camera});
+  return aligned;
+}
+
+}  // namespace
+
+RunEvaluation evaluate_run(const GroundTruth& truth, const RunLog& log, const RunOutcome& outcome) {
+  EvalOptions options;
+  options.frames = static_cast<int>(log.frames.size() + log.skipped.size());
+  const Evaluation final_poses = evaluate(truth.trajectory, outcome.trajectory, options);
+  const Evaluation online_poses = evaluate(truth.trajectory, log.online, options);
+  const Stamp start = log.frames.front().stamp;
+  return {.ground_truth = truth.source,
+          .protocol = describe_protocol(options),
+          .final_poses = errors_from(final_poses, start),
+          .online_poses = errors_from(online_poses, start),
+          .truth = aligned_truth(truth.trajectory, outcome.trajectory,
+                                 final_poses.ate.truth_from_estimate.motion)};
+}
+
+}  // namespace edvo::app

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "run_loop.hpp"
+
+#include "edvo/core/error.hpp"
+#include "edvo/io/prefetch.hpp"
+#include "edvo/odometry/odometry.hpp"
+#include "edvo/report/recorder.hpp"
+#include "edvo/report/run_folder.hpp"
+#include "progress.hpp"
+#include "stop_signal.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <opencv2/core/utility.hpp>
+#include <variant>
+
+namespace edvo::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path make_run_folder(const RunOptions& options, const std::string& sequence) {
+  if (options.output.empty()) return make_stamped_run_folder("runs", sequence);
+  make_named_run_folder(options.output, options.force);
+  return options.output;
+}
+
+// The frame tracked, or why there is none.
+std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame& frame) {
+  if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
+  try {
+    return odometry.process(std::get<RgbdImage>(frame.content));
+  } catch (const Error& error) {
+    return error;
+  }
+}
+
+// True if a signal ended it early.
+bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
+               Progress& progress) {
+  const StopSignal signal;
+  while (const std::optional<FetchedFrame> frame = frames.next()) {
+    const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
+    std::variant<FrameReport, Error> result = process(odometry, *frame);
+    if (FrameReport* report = std::get_if<FrameReport>(&result)) {
+      report->index = index;
+      recorder.append(*report);
+      progress.frame_done(*report);
+    } else {
+      const Error& error = std::get<Error>(result);
+      if (error.code() != ErrorCode::kInput) throw Error(error);
+      recorder.append(SkippedFrame{.index = index,
+                                   .stamp = to_string(input.stamp_of(frame->index)),
+                                   .reason = error.what()});
+      progress.say(fmt::format("warning: frame {} skipped: {}", index, error.what()));
+      progress.frame_skipped();
+    }
+    if (stop_requested()) return true;
+  }
+  return false;
+}
+
+void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth, Recorder& recorder,
+                   Progress& progress) {
+  if (!truth) {
+    outcome.no_evaluation = "no usable ground truth";
+    return;
+  }
+  try {
+    outcome.evaluation = evaluate_run(*truth, recorder.log(), outcome);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kEvaluation) throw;
+    outcome.no_evaluation = fmt::format("{}: {}", truth->source, error.what());
+    recorder.warn("no evaluation: " + outcome.no_evaluation);
+    progress.say("warning: no evaluation: " + outcome.no_evaluation);
+  }
+}
+
+// One pose is where the world begins, not a motion that was tracked.
+void require_tracking(const RunResult& result) {
+  const RunSummary& summary = result.summary;
+  const auto due =
+      summary.tracked + summary.lost + static_cast<std::int64_t>(summary.skipped.size());
+  if (summary.tracked > 1 || (summary.tracked == 1 && due == 1) || summary.interrupted) return;
+  throw Error(ErrorCode::kTrackingLost,
+              fmt::format("{}: none of {} frames could be tracked ({} lost, {} skipped); what was "
+                          "tried is in {}",
+                          summary.run.source, due, summary.lost, summary.skipped.size(),
+                          (result.folder / "frames.jsonl").string()));
+}
+
+}  // namespace
+
+RunResult run_frames(const FrameInput& input, const RunDescription& description,
+                     const Config& config, const std::optional<GroundTruth>& truth,
+                     const RunOptions& options) {
+  cv::setNumThreads(std::max(1, options.threads - 1));  // one thread reads ahead
+  Odometry odometry(description.camera, config);
+  Recorder recorder(make_run_folder(options, description.sequence), description);
+  Progress progress(description.frames, options.quiet);
+
+  RunOutcome outcome;
+  const auto start = std::chrono::steady_clock::now();
+  Prefetch frames(input.read, input.count, {.threads = options.threads});
+  outcome.interrupted = track_all(input, frames, odometry, recorder, progress);
+  outcome.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.trajectory = odometry.trajectory();
+  outcome.keyframes = odometry.keyframes();
+  if (!outcome.trajectory.empty()) evaluate_into(outcome, truth, recorder, progress);
+
+  const RunResult result{.summary = recorder.finish(outcome, !options.no_report),
+                         .folder = recorder.folder()};
+  require_tracking(result);
+  return result;
+}
+
+}  // namespace edvo::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// What `edvo run` and `edvo demo` share on the command line.
+#pragma once
+
+#include "config_flags.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace edvo::app {
+
+struct RunOptions {
+  ConfigFlags config;
+  std::string output;  // folder, empty = runs/<sequence>/<UTC stamp>
+  bool force = false;
+  int threads = 2;  // one of them reads ahead if there are two or more
+  bool json = false;
+  bool no_report = false;
+  bool quiet = false;
+  bool profile = false;
+};
+
+void add_run_options(CLI::App& command, RunOptions& options);
+
+// The method's name, also where it was left to the default.
+[[nodiscard]] std::string method_name(const RunOptions& options);
+
+}  // namespace edvo::app

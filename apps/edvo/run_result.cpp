@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// What the user is shown of a run's result.
+#include "run_loop.hpp"
+#include "stop_signal.hpp"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+namespace edvo::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string counted(std::int64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+void print_counts(const RunSummary& summary) {
+  fmt::print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n",
+             summary.tracked, summary.lost, counted(summary.lost_events, "event"),
+             summary.skipped.size(), 100 * summary.coverage);
+  fmt::print("keyframes  {}\n", summary.keyframes);
+  fmt::print("path       {:.3f} m\n", summary.path_length);
+  fmt::print(
+      "time       {:.2f} ms per frame (median), {:.2f} ms (p95); {:.1f} frames/s with reading\n",
+      summary.total_milliseconds.median, summary.total_milliseconds.p95,
+      frames_per_second(summary));
+  fmt::print("memory     {:.0f} MB at most\n", summary.peak_memory);
+}
+
+void print_error_row(const char* name, const char* unit, double final_pose, double online_pose,
+                     bool known) {
+  if (known) {
+    fmt::print("{:<16} {:<8} {:>10.5f} {:>10.5f}\n", name, unit, final_pose, online_pose);
+  } else {
+    fmt::print("{:<16} {:<8} {:>10} {:>10}\n", name, unit, "-", "-");
+  }
+}
+
+void print_errors(const RunEvaluation& evaluation) {
+  const TrajectoryErrors& final_poses = evaluation.final_poses;
+  const TrajectoryErrors& online = evaluation.online_poses;
+  const bool has_rpe = final_poses.rpe_pairs > 0 && online.rpe_pairs > 0;
+  const bool has_drift = final_poses.drift && online.drift;
+  fmt::print("\n{:<16} {:<8} {:>10} {:>10}\n", "error", "unit", "final", "live");
+  print_error_row("ATE", "m", final_poses.ate, online.ate, true);
+  print_error_row("RPE translation", "m/s", final_poses.rpe_translation, online.rpe_translation,
+                  has_rpe);
+  print_error_row("RPE rotation", "deg/s", final_poses.rpe_rotation, online.rpe_rotation, has_rpe);
+  print_error_row("drift at the end", "%", final_poses.drift.value_or(0), online.drift.value_or(0),
+                  has_drift);
+  fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "pairs", "ATE", final_poses.ate_pairs,
+             online.ate_pairs);
+  fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "", "RPE", final_poses.rpe_pairs, online.rpe_pairs);
+  fmt::print("{}\nagainst {}\n", evaluation.protocol, evaluation.ground_truth);
+}
+
+void print_profile(const RunSummary& summary) {
+  fmt::print("\n{:<12} {:>9} {:>9} {:>9} {:>9}\n", "stage [ms]", "mean", "median", "p95", "p99");
+  const auto print_row = [](std::string_view name, const TimeStatistics& ms) {
+    fmt::print("{:<12} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f}\n", name, ms.mean, ms.median, ms.p95,
+               ms.p99);
+  };
+  for (std::size_t i = 0; i < kStages.size(); ++i)
+    print_row(kStages[i].name, summary.stage_milliseconds[i]);
+  print_row("total", summary.total_milliseconds);
+}
+
+}  // namespace
+
+void show_result(const RunResult& result, const RunOptions& options) {
+  const RunSummary& summary = result.summary;
+  if (options.json) {
+    Json json = Json::parse(to_json(summary));
+    json["folder"] = result.folder.string();
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}, {}{}\n", summary.run.sequence, summary.run.method,
+               summary.interrupted ? ", interrupted" : "");
+    print_counts(summary);
+    if (summary.evaluation) print_errors(*summary.evaluation);
+    if (options.profile) print_profile(summary);
+    fmt::print("\nwritten to {}\n", result.folder.string());
+  }
+  if (summary.interrupted) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
+}
+
+}  // namespace edvo::app
