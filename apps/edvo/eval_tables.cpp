@@ -119,7 +119,7 @@ Table evaluation_table(std::span<const NamedEvaluation> evaluations) {
                          fmt::format("RPE trans [m{}]", per), fmt::format("RPE rot [deg{}]", per),
                          "drift [%]"},
               .rows = {}};
-  if (options.alignment == Alignment::kSim3) table.header.emplace_back("scale");
+  if (options.alignment == AlignmentKind::kSim3) table.header.emplace_back("scale");
   for (const auto& [name, file, estimate, e] : evaluations) {
     const auto or_missing = [](bool known, double value, int decimals) {
       return known ? fmt::format("{:.{}f}", value, decimals) : std::string(kMissing);
@@ -131,7 +131,7 @@ Table evaluation_table(std::span<const NamedEvaluation> evaluations) {
          or_missing(has_rpe, has_rpe ? e.rpe->translation.rmse : 0, 6),
          or_missing(has_rpe, has_rpe ? e.rpe->rotation.rmse : 0, 6),
          or_missing(e.drift.percent.has_value(), e.drift.percent.value_or(0), 3)});
-    if (options.alignment == Alignment::kSim3)
+    if (options.alignment == AlignmentKind::kSim3)
       table.rows.back().push_back(fmt::format("{:.6f}", e.ate.truth_from_estimate.scale));
   }
   return table;
@@ -159,8 +159,8 @@ std::vector<std::string> evo_commands(const std::string& truth_file,
                                       const EvalOptions& options) {
   std::string common =
       fmt::format("tum {} {}", shell_quoted(truth_file), shell_quoted(estimate_file));
-  if (options.alignment == Alignment::kSe3) common += " -a";
-  if (options.alignment == Alignment::kSim3) common += " -as";
+  if (options.alignment == AlignmentKind::kSe3) common += " -a";
+  if (options.alignment == AlignmentKind::kSim3) common += " -as";
   common += fmt::format(" --t_max_diff {}", options.association.max_difference);
   if (options.association.offset != 0)
     common += fmt::format(" --t_offset {}", options.association.offset);

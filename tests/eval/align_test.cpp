@@ -40,7 +40,7 @@ double determinant(const Similarity& similarity) {
 TEST(Align, FindsTheMotion) {
   const Eigen::Matrix3Xd source = points_of(test::winding_path(40));
   const Similarity truth = some_motion(1);
-  const Similarity found = align(moved(truth, source), source, Alignment::kSe3);
+  const Similarity found = align(moved(truth, source), source, AlignmentKind::kSe3);
   EXPECT_THAT(found.motion, NearPose(truth.motion, kExact));
   EXPECT_EQ(found.scale, 1);
 }
@@ -48,15 +48,15 @@ TEST(Align, FindsTheMotion) {
 TEST(Align, FindsTheScaleOnlyIfAskedTo) {
   const Eigen::Matrix3Xd source = points_of(test::winding_path(40));
   const Similarity truth = some_motion(2.5);
-  const Similarity found = align(moved(truth, source), source, Alignment::kSim3);
+  const Similarity found = align(moved(truth, source), source, AlignmentKind::kSim3);
   EXPECT_NEAR(found.scale, 2.5, kExact);
   EXPECT_THAT(found.motion, NearPose(truth.motion, 1e-11));
-  EXPECT_EQ(align(moved(truth, source), source, Alignment::kSe3).scale, 1);
+  EXPECT_EQ(align(moved(truth, source), source, AlignmentKind::kSe3).scale, 1);
 }
 
 TEST(Align, DoesNothingIfAskedTo) {
   const Eigen::Matrix3Xd source = points_of(test::winding_path(2));
-  const Similarity none = align(moved(some_motion(2), source), source, Alignment::kNone);
+  const Similarity none = align(moved(some_motion(2), source), source, AlignmentKind::kNone);
   EXPECT_EQ(none.scale, 1);
   EXPECT_THAT(none.motion, NearPose(SE3{}, kExact));
 }
@@ -65,7 +65,7 @@ TEST(Align, NeverMirrors) {
   const Eigen::Matrix3Xd source = points_of(test::winding_path(40));
   Eigen::Matrix3Xd mirrored = source;
   mirrored.row(2) *= -1;
-  const Similarity found = align(mirrored, source, Alignment::kSim3);
+  const Similarity found = align(mirrored, source, AlignmentKind::kSim3);
   EXPECT_NEAR(determinant(found), 1, kExact);
   EXPECT_GT(found.scale, 0);
 }
@@ -76,8 +76,8 @@ TEST(Align, StaysARotationWherePointsLeaveItOpen) {
   plane.row(2).setZero();
   const Eigen::Matrix3Xd place = Eigen::Vector3d(0.1, 0.2, 0.3).replicate(1, 20);
   for (const Eigen::Matrix3Xd& source : {line, plane, place})
-    for (const Alignment alignment : {Alignment::kSe3, Alignment::kSim3}) {
-      const Similarity truth = some_motion(alignment == Alignment::kSim3 ? 3 : 1);
+    for (const AlignmentKind alignment : {AlignmentKind::kSe3, AlignmentKind::kSim3}) {
+      const Similarity truth = some_motion(alignment == AlignmentKind::kSim3 ? 3 : 1);
       const Similarity found = align(moved(truth, source), source, alignment);
       ASSERT_TRUE(is_finite(found.motion));
       EXPECT_NEAR(determinant(found), 1, kExact);
@@ -89,13 +89,13 @@ TEST(Align, KeepsTheScaleOfAStandstill) {
   Eigen::Matrix3Xd place = Eigen::Vector3d(0.1, 0.2, 0.3).replicate(1, 20);
   place(0, 3) += 1e-16;
   const Eigen::Matrix3Xd target = points_of(test::winding_path(20));
-  EXPECT_EQ(align(target, place, Alignment::kSim3).scale, 1);
+  EXPECT_EQ(align(target, place, AlignmentKind::kSim3).scale, 1);
 }
 
 TEST(Align, NeedsThreePoints) {
   const Eigen::Matrix3Xd two = points_of(test::winding_path(2));
   EXPECT_TRUE(test::fails_with(ErrorCode::kEvaluation, {"at least 3", "got 2"},
-                               [&] { (void)align(two, two, Alignment::kSe3); }));
+                               [&] { (void)align(two, two, AlignmentKind::kSe3); }));
 }
 
 TEST(Align, TransformsPosesAsItDoesPoints) {

@@ -41,14 +41,14 @@ TEST(Evaluate, DoesNotSeeWhereTheWorldIsUnlessToldNotToAlign) {
   const Trajectory elsewhere = test::moved({.rotation = {}, .translation = {0, 0, 2}}, path);
   EvalOptions options;
   EXPECT_LT(evaluate(path, elsewhere).ate.distance.max, 1e-12);
-  options.alignment = Alignment::kNone;
+  options.alignment = AlignmentKind::kNone;
   EXPECT_NEAR(evaluate(path, elsewhere, options).ate.distance.rmse, 2, 1e-12);
 }
 
 TEST(Evaluate, TakesTheScaleIntoRpeAndDrift) {
   const Trajectory path = winding_path(60);
   EvalOptions options;
-  options.alignment = Alignment::kSim3;
+  options.alignment = AlignmentKind::kSim3;
   const Evaluation evaluation = evaluate(path, stretched(0.25, path), options);
   EXPECT_NEAR(evaluation.ate.truth_from_estimate.scale, 4, 1e-11);
   EXPECT_LT(evaluation.ate.distance.max, 1e-11);
@@ -104,7 +104,7 @@ TEST(Evaluate, NeedsThreePairsToAlignAndOneOtherwise) {
                          [&] { (void)evaluate(path, one); }));
   EXPECT_TRUE(fails_with(ErrorCode::kEvaluation, {"nothing"}, [&] { (void)evaluate(path, {}); }));
   EvalOptions options;
-  options.alignment = Alignment::kNone;
+  options.alignment = AlignmentKind::kNone;
   const Evaluation evaluation = evaluate(path, one, options);
   EXPECT_EQ(evaluation.ate.errors.size(), 1u);
   EXPECT_FALSE(evaluation.rpe);
@@ -145,7 +145,7 @@ TEST(Evaluate, SaysItsProtocol) {
             "TUM protocol: ATE rmse over pairs < 0.02 s apart, SE(3)-aligned; "
             "RPE rmse over fixed delta 1s");
   options.association = {.protocol = Protocol::kEvo, .max_difference = 0.01, .offset = 0.5};
-  options.alignment = Alignment::kNone;
+  options.alignment = AlignmentKind::kNone;
   options.rpe.delta = parse_delta("1f");
   EXPECT_EQ(describe_protocol(options),
             "evo protocol: ATE rmse over pairs <= 0.01 s apart, offset 0.5 s, not aligned; "
