@@ -13,6 +13,7 @@ using namespace edvo::app;
 // apps/edvo/VERB_command.cpp.
 const std::vector<void (*)(CLI::App&)> kVerbs = {
     add_run_command,
+    add_synth_command,
     add_eval_command,
     add_config_command,
 };

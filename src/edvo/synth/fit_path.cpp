@@ -47,13 +47,14 @@ Eigen::Quaterniond upright(const std::vector<SE3>& poses) {
 // Share of poses whose optical axis ends at a useful distance.
 double share_of_good_views(const Scene& scene, const std::vector<SE3>& poses,
                            const Placement& placement) {
-  int good = 0;
-  for (const SE3& pose : poses) {
-    const std::vector<SolidInView> solids = view_from(scene, 0, place(placement, pose));
+  constexpr std::size_t kStep = 4;  // casting is slow
+  int good = 0, all = 0;
+  for (std::size_t i = 0; i < poses.size(); i += kStep, ++all) {
+    const std::vector<SolidInView> solids = view_from(scene, 0, place(placement, poses[i]));
     const Hit hit = cast(solids, nearest_first(solids), RayPack{})[0];
     if (hit.depth >= kNearestView && hit.depth <= kFarthestView) ++good;
   }
-  return good / static_cast<double>(poses.size());
+  return static_cast<double>(good) / all;
 }
 
 double least_clearance(const Scene& scene, const std::vector<SE3>& poses,

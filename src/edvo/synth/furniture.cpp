@@ -18,9 +18,11 @@ Colour random_colour(Random& random) {
   return colour;
 }
 
+// Dark print on something brighter, as most covers are.
 int random_cover(Builder& builder, Pattern pattern) {
-  const Colour dark = random_colour(builder.random) * 0.4F;
-  return add_material(builder, pattern, dark, random_colour(builder.random));
+  const Colour dark = random_colour(builder.random) * 0.35F;
+  const Colour bright = random_colour(builder.random) * 0.6F + Colour::Constant(100);
+  return add_material(builder, pattern, dark, bright);
 }
 
 // Textures are large: pieces share them and differ in colour.
@@ -213,6 +215,28 @@ void add_lamp(Builder& builder, const Place& place, double height) {
   add_cylinder(builder, place, 0.012, height - 0.2, plain(builder, {80, 80, 85}));
   add_cylinder(builder, beside(place, {0, 0, height - 0.25}), 0.16, 0.25,
                add_material(builder, Pattern::kFabric, {140, 190, 215}, {200, 240, 250}, 0.3));
+}
+
+void add_skirting(Builder& builder, const Eigen::Vector3d& room) {
+  constexpr double kThickness = 0.02, kHeight = 0.08;  // [m]
+  const int board = plain(builder, {85, 92, 98});
+  for (const double side : {-1.0, 1.0}) {
+    add_box(builder, {.base = {side * (room.x() - kThickness) / 2, 0, 0}},
+            {kThickness, room.y(), kHeight}, board);
+    add_box(builder, {.base = {0, side * (room.y() - kThickness) / 2, 0}},
+            {room.x(), kThickness, kHeight}, board);
+  }
+}
+
+void add_window(Builder& builder, const Place& place, double width, double height) {
+  constexpr double kBar = 0.06;  // [m]
+  const int frame = plain(builder, {225, 228, 230});
+  const int sky = add_material(builder, Pattern::kPlaster, {235, 190, 150}, {255, 250, 245});
+  add_box(builder, place, {width, 0.02, height}, sky);
+  for (const double x : {-0.5, 0.0, 0.5})
+    add_box(builder, beside(place, {x * (width - kBar), -0.02, 0}), {kBar, 0.05, height}, frame);
+  for (const double z : {0.0, 0.62, 1.0})
+    add_box(builder, beside(place, {0, -0.02, z * (height - kBar)}), {width, 0.05, kBar}, frame);
 }
 
 void add_door(Builder& builder, const Place& place) {

@@ -50,6 +50,8 @@ void add_chair(Builder& builder, const Place& place);
 void add_sofa(Builder& builder, const Place& place);
 void add_plant(Builder& builder, const Place& place, double height);
 void add_lamp(Builder& builder, const Place& place, double height);
+void add_skirting(Builder& builder, const Eigen::Vector3d& room);
+void add_window(Builder& builder, const Place& place, double width, double height);
 void add_door(Builder& builder, const Place& place);
 void add_desk(Builder& builder, const Place& place, double width);  // a table with things on it
 

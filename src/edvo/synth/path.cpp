@@ -39,13 +39,14 @@ SE3 tremor(double seconds, Random& random) {
   return exp(xi);
 }
 
+constexpr double kDemoSpeed = 0.55;  // on average [m/s]
+
 SE3 demo(const Path& path, double seconds) {
-  constexpr double kSpeed = 0.55;         // about, on average [m/s]
   constexpr double kTargetWander = 0.15;  // share of the distance to the target
   constexpr double kRoll = 0.06;          // [rad]
   Random random{path.seed, 1};
   const Stage& stage = path.stage;
-  const double period = 4 * stage.reach.norm() / kSpeed;
+  const double period = 4 * stage.reach.norm() / (kDemoSpeed * path.pace);  // [s]
   const Eigen::Vector3d eye = stage.eye + stage.reach.cwiseProduct(wander(seconds, period, random));
   const double distance = (stage.target - stage.eye).norm();
   const Eigen::Vector3d target =
@@ -111,6 +112,18 @@ SE3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   Eigen::Matrix3d R;
   R << x, z.cross(x), z;
   return {.rotation = Eigen::Quaterniond(R).normalized(), .translation = eye};
+}
+
+Path make_path(PathName name, const Stage& stage, std::uint64_t seed) {
+  Path path{.name = name, .stage = stage, .seed = seed, .recorded = {}};
+  if (name != PathName::kDemo) return path;
+  // Follow the motion until it has the length that it shall have in that time.
+  constexpr double kSpan = 10, kStep = 0.02;  // [s]
+  double seconds = 0;
+  for (double length = 0; length < kDemoSpeed * kSpan; seconds += kStep)
+    length += (demo(path, seconds + kStep).translation - demo(path, seconds).translation).norm();
+  path.pace = seconds / kSpan;
+  return path;
 }
 
 SE3 pose_at(const Path& path, double seconds) {

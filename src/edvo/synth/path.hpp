@@ -23,8 +23,12 @@ struct Path {
   PathName name = PathName::kDemo;
   Stage stage;
   std::uint64_t seed = 0;
+  double pace = 1;      // of the demo: how fast its time runs
   Trajectory recorded;  // if not empty, this is the motion and the rest is unused
 };
+
+// The demo's pace is set so that its first ten seconds are 5.5 m long, whatever the stage.
+[[nodiscard]] Path make_path(PathName name, const Stage& stage, std::uint64_t seed);
 
 // seconds counts from the start of the path; a recorded one holds its ends.
 [[nodiscard]] SE3 pose_at(const Path& path, double seconds);

@@ -37,6 +37,8 @@ void furnish_desk(Builder& builder) {
   add_door(builder, {.base = {0.6, -2.07, 0}, .yaw = 2 * kQuarter});
   add_shelf(builder, {.base = {-2.0, -0.8, 0}, .yaw = kQuarter}, 1.2, 1.9);
   add_poster(builder, {.base = {2.19, -0.6, 1.2}, .yaw = -kQuarter}, 0.9, 0.7);
+  add_window(builder, {.base = {2.19, 0.7, 0.95}, .yaw = -kQuarter}, 1.1, 1.2);
+  add_skirting(builder, {4.4, 4.2, 2.6});
   builder.scene.stage = {
       .eye = {0, 0.35, 1.25}, .target = {0, 1.7, 0.85}, .reach = {0.5, 0.25, 0.2}};
 }
@@ -58,6 +60,8 @@ void furnish_office(Builder& builder) {
   add_plant(builder, {.base = {-2.3, 2.1, 0}}, 1.6);
   for (int i = 0; i < 4; ++i)
     add_poster(builder, {.base = {-1.6 + 1.1 * i, 2.49, 1.35 + 0.08 * (i % 2)}}, 0.7, 0.85);
+  add_skirting(builder, {5.4, 5.0, 2.7});
+  add_window(builder, {.base = {2.69, -1.6, 0.95}, .yaw = -kQuarter}, 1.1, 1.3);
   add_poster(builder, {.base = {2.69, 0.9, 1.35}, .yaw = -kQuarter}, 0.9, 0.65);
   add_poster(builder, {.base = {2.69, -0.5, 1.3}, .yaw = -kQuarter}, 0.6, 0.85);
   add_poster(builder, {.base = {-0.1, -2.49, 1.25}, .yaw = 2 * kQuarter}, 0.6, 0.8);
@@ -89,6 +93,11 @@ void furnish_living_room(Builder& builder) {
   add_poster(builder, {.base = {0.7, 2.49, 1.25}}, 0.6, 0.8);
   add_poster(builder, {.base = {2.59, 0.3, 1.2}, .yaw = -kQuarter}, 1.0, 0.75);
   add_poster(builder, {.base = {-2.59, -1.0, 1.2}, .yaw = kQuarter}, 0.7, 0.9);
+  add_poster(builder, {.base = {-2.59, -1.9, 1.35}, .yaw = kQuarter}, 0.5, 0.6);
+  add_poster(builder, {.base = {-0.9, -2.49, 1.3}, .yaw = 2 * kQuarter}, 0.6, 0.8);
+  add_poster(builder, {.base = {0.5, -2.49, 1.2}, .yaw = 2 * kQuarter}, 0.9, 0.65);
+  add_window(builder, {.base = {2.59, -1.5, 0.9}, .yaw = -kQuarter}, 1.2, 1.3);
+  add_skirting(builder, {5.2, 5.0, 2.6});
   builder.scene.stage = {
       .eye = {-0.2, -0.3, 1.3}, .target = {0.3, 1.6, 0.75}, .reach = {0.75, 0.5, 0.2}};
 }
@@ -203,7 +212,12 @@ Scene make_scene(SceneName name, std::uint64_t seed) {
 
 double clearance(const Scene& scene, const Eigen::Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Solid& solid : scene.solids) nearest = std::min(nearest, distance_to(solid, point));
+  for (const Solid& solid : scene.solids) {
+    const double from_middle = (point - solid.world_from_solid.translation).norm();
+    const bool too_far = from_middle - solid.half.norm() >= nearest;  // whatever its turn
+    if (solid.shape == Shape::kRoom || !too_far)
+      nearest = std::min(nearest, distance_to(solid, point));
+  }
   return nearest;
 }
 

@@ -95,14 +95,13 @@ SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedC
                                 const Trajectory& recorded) {
   check(camera.pinhole);
   const auto seed = static_cast<std::uint64_t>(options.seed);
-  SyntheticSequence sequence{
-      .options = options,
-      .camera = camera,
-      .scene = make_scene(options.scene, seed),
-      .path = {.name = options.path, .stage = {}, .seed = seed, .recorded = {}},
-      .rays = make_rays(camera),
-      .kept = {}};
-  sequence.path.stage = sequence.scene.stage;
+  SyntheticSequence sequence{.options = options,
+                             .camera = camera,
+                             .scene = make_scene(options.scene, seed),
+                             .path = {},
+                             .rays = make_rays(camera),
+                             .kept = {}};
+  sequence.path = make_path(options.path, sequence.scene.stage, seed);
   if (!recorded.empty()) {
     sequence.path.recorded = fit_into(sequence.scene, recorded);
     const double duration = seconds_between(recorded.front().stamp, recorded.back().stamp);
