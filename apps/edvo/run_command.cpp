@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // edvo run SEQUENCE
+#include "cache_folder.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
@@ -63,8 +64,9 @@ Dataset open(const Arguments& arguments) {
     if (is_shown) fmt::print(stderr, "\runpacking {:.0f} %", 100 * share);
     shown = is_shown;
   };
-  Dataset dataset = open_dataset(arguments.sequence,
-                                 {.depth_scale = arguments.depth_scale, .on_unpack = on_unpack});
+  Dataset dataset = open_dataset(
+      arguments.sequence,
+      {.depth_scale = arguments.depth_scale, .cache = cache_folder(), .on_unpack = on_unpack});
   if (shown) fmt::print(stderr, "\r\x1b[K");
   return dataset;
 }
@@ -87,7 +89,7 @@ RunDescription describe(const Dataset& dataset, const ChosenCamera& chosen, cons
                         const Config& config, const Arguments& arguments) {
   return {
       .sequence = dataset.name,
-      .source = dataset.source.string(),
+      .source = fmt::format("{} ({})", dataset.source.string(), dataset.layout),
       .command = this_command(),
       .method = method_name(arguments.run),
       .config = to_toml(config),
@@ -101,16 +103,6 @@ RunDescription describe(const Dataset& dataset, const ChosenCamera& chosen, cons
       .warnings = dataset.warnings};
 }
 
-void show_choices(const RunDescription& run, const Dataset& dataset, bool quiet) {
-  if (!quiet) {
-    fmt::print(stderr, "sequence  {}: {}, {} frames\n", run.source, dataset.layout, run.frames);
-    fmt::print(stderr, "camera    {}\n", run.camera_origin);
-    fmt::print(stderr, "method    {}\n", run.method);
-    for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
-  }
-  for (const std::string& warning : run.warnings) fmt::print(stderr, "warning: {}\n", warning);
-}
-
 void run(const Arguments& arguments) {
   const Config config = resolve_config(arguments.run.config);
   const Dataset dataset = open(arguments);
@@ -118,7 +110,7 @@ void run(const Arguments& arguments) {
   const FrameRange range = choose_frames(dataset, arguments);
   RunDescription description = describe(dataset, camera, range, config, arguments);
   const std::optional<GroundTruth> truth = read_ground_truth(dataset, description.warnings);
-  show_choices(description, dataset, arguments.run.quiet);
+  show_choices(description, arguments.run);
   show_result(run_frames(input_from(dataset, range), description, config, truth, arguments.run),
               arguments.run);
 }
