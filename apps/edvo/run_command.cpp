@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // edvo run SEQUENCE
+#include "cache_folder.hpp"
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
@@ -63,8 +64,9 @@ Dataset open(const Arguments& arguments) {
     if (is_shown) fmt::print(stderr, "\runpacking {:.0f} %", 100 * share);
     shown = is_shown;
   };
-  Dataset dataset = open_dataset(arguments.sequence,
-                                 {.depth_scale = arguments.depth_scale, .on_unpack = on_unpack});
+  Dataset dataset = open_dataset(
+      arguments.sequence,
+      {.depth_scale = arguments.depth_scale, .cache = cache_folder(), .on_unpack = on_unpack});
   if (shown) fmt::print(stderr, "\r\x1b[K");
   return dataset;
 }
