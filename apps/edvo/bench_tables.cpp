@@ -126,16 +126,24 @@ std::string repeats_line(const BenchManifest& manifest, const BenchResult& resul
                      manifest.repeats);
 }
 
+std::string problem_line(const BenchRow& row, const BenchCell& cell) {
+  if (row.frames == 0 && cell.state == CellState::kFailed)
+    return fmt::format("{}: {}", row.sequence, cell.problem);
+  return fmt::format("{}, {}: {}: {}", row.sequence, label(cell),
+                     cell.state == CellState::kDone ? "not evaluated" : name_of(cell.state),
+                     cell.problem);
+}
+
+// What all cells of a sequence have in common is said once.
 std::string problems_text(const BenchResult& result, TableFormat format) {
-  std::string text;
+  std::string text, previous;
   for (const BenchRow& row : result.rows)
-    for (const BenchCell& cell : row.cells)
-      if (!cell.problem.empty())
-        text += format_note(
-            fmt::format("{}, {}: {}: {}", row.sequence, label(cell),
-                        cell.state == CellState::kDone ? "no errors" : name_of(cell.state),
-                        cell.problem),
-            format);
+    for (const BenchCell& cell : row.cells) {
+      if (cell.problem.empty()) continue;
+      const std::string line = problem_line(row, cell);
+      if (line != previous) text += format_note(line, format);
+      previous = line;
+    }
   return text;
 }
 
