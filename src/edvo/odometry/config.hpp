@@ -62,6 +62,7 @@ struct KeyframeOptions {
   double rotation = 0.15;    // [rad]
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
+  int patience = 10;         // frames
 };
 
 template <typename Self, typename Visitor>
@@ -74,6 +75,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "motion amplitude Omega, rotation part, at which one is due [rad]");
   visit("overlap", self.overlap, Range{0, 1}, "share of points in view below which one is due");
   visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
+  visit("patience", self.patience, Range{0, 1e6},
+        "lost frames in a row after which tracking starts again from the last pose");
 }
 
 struct Config {
