@@ -2,6 +2,7 @@
 #include "config_flags.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
+#include "enum_option.hpp"
 
 #include <fmt/format.h>
 
@@ -12,17 +13,9 @@
 namespace edvo::app {
 namespace {
 
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  names.reserve(EnumNames<Method>::names.size());
-  for (const auto& [value, name] : EnumNames<Method>::names) names.emplace_back(name);
-  return names;
-}
-
 Method method_named(const std::string& word) {
-  for (const auto& [value, name] : EnumNames<Method>::names)
-    if (name == word) return value;
-  const std::vector<std::string> names = method_names();
+  if (const std::optional<Method> method = find_named<Method>(word)) return *method;
+  const std::vector<std::string> names = names_of<Method>();
   throw Error(ErrorCode::kUsage, fmt::format("--method {}: unknown method{} (known: {})", word,
                                              did_you_mean(word, names), fmt::join(names, ", ")));
 }
@@ -39,7 +32,7 @@ std::string read_text(const std::string& file) {
 
 void add_config_flags(CLI::App& verb, ConfigFlags& flags) {
   verb.add_option("--method", flags.method,
-                  fmt::format("one of {}", fmt::join(method_names(), ", ")));
+                  fmt::format("one of {}", fmt::join(names_of<Method>(), ", ")));
   verb.add_option("--config", flags.file, "TOML file; what it names replaces the method's options");
   verb.add_option("--set", flags.set, "group.field=value, after the file; may be repeated")
       ->take_all()
