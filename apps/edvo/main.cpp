@@ -4,6 +4,7 @@
 #include "usage.hpp"
 
 #include <fmt/core.h>
+#include <opencv2/core/utils/logger.hpp>
 
 namespace {
 
@@ -14,6 +15,7 @@ using namespace edvo::app;
 const std::vector<void (*)(CLI::App&)> kVerbs = {
     add_run_command,
     add_eval_command,
+    add_edges_command,
     add_config_command,
 };
 
@@ -26,6 +28,8 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): printing the message of an error may fail, too
 int main(int argc, char** argv) {
+  // What OpenCV has to say about a network arrives as an error of ours.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
   program.require_subcommand(1);
   for (const auto add : kVerbs) add(program);

@@ -37,6 +37,7 @@ class Stopwatch {
 struct Odometry::State {
   Config config;
   Undistortion undistortion;
+  std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
   std::vector<Keyframe> keyframes;
   std::vector<WindowKeyframe> window;
   std::vector<FrameLink> frames;
@@ -48,7 +49,10 @@ struct Odometry::State {
   cv::Mat_<std::uint8_t> candidate_mask(const Frame& frame) const {
     if (config.edge.detector == Detector::kNone)
       return cv::Mat_<std::uint8_t>(frame.depth.size(), std::uint8_t{255});
-    cv::Mat_<std::uint8_t> mask = canny_edges(frame.levels[0].gray, config.canny);
+    cv::Mat_<std::uint8_t> mask =
+        network ? network_edges(network->detect(undistort_colour(undistortion, frame.bgr)),
+                                config.network)
+                : canny_edges(frame.levels[0].gray, config.canny);
     if (config.corners.enabled) {
       cv::Mat_<float> strength;
       mask.convertTo(strength, CV_32F, 1.0 / 255);
@@ -126,6 +130,8 @@ Odometry::Odometry(const DistortedCamera& camera, const Config& config)
     : state_(std::make_unique<State>()) {
   state_->config = config;
   state_->undistortion = make_undistortion(camera);
+  if (config.edge.detector == Detector::kNetwork)
+    state_->network = open_network(config.network, state_->undistortion.valid.size());
 }
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
