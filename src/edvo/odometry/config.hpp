@@ -5,6 +5,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/edge/canny.hpp"
 #include "edvo/edge/corners.hpp"
+#include "edvo/edge/network.hpp"
 #include "edvo/track/tracker.hpp"
 #include "edvo/track/window.hpp"
 
@@ -83,6 +84,7 @@ struct Config {
   FrameOptions frame;
   EdgeOptions edge;
   CannyOptions canny;
+  NetworkOptions network;
   CornerOptions corners;
   SelectOptions selection;
   TrackOptions tracking;
@@ -96,6 +98,7 @@ void visit_groups(Self& self, Visitor&& visit) {
   visit("frame", self.frame, "what is computed from each image");
   visit("edge", self.edge, "where edges come from");
   visit("canny", self.canny, "Canny edges");
+  visit("network", self.network, "edges by a network (section III-A)");
   visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");

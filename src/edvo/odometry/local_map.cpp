@@ -56,9 +56,17 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
   }
 }
 
-cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Config& config) {
-  if (config.edge.detector == Detector::kCanny)
-    return canny_edges(frame.levels.front().gray, config.canny);
+cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undistortion,
+                                 const EdgeDetector* network, const Config& config) {
+  switch (config.edge.detector) {
+    case Detector::kCanny:
+      return canny_edges(frame.levels.front().gray, config.canny);
+    case Detector::kNetwork:
+      return network_edges(network->detect(undistort_colour(undistortion, frame.bgr)),
+                           config.network);
+    case Detector::kNone:
+      break;
+  }
   return cv::Mat_<std::uint8_t>(frame.depth.size(), std::uint8_t{255});
 }
 

@@ -25,7 +25,9 @@ class LocalMap {
 
 // Candidates for tracking before corner optimization: H x W, 255 = edge; everything without
 // detector.
-[[nodiscard]] cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Config& config);
+// network: not null where the options ask for one.
+[[nodiscard]] cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undistortion,
+                                               const EdgeDetector* network, const Config& config);
 
 // Edges and the discs of the optimized corners (paper, fig. 3).
 [[nodiscard]] cv::Mat_<std::uint8_t> with_corner_discs(const cv::Mat_<std::uint8_t>& edges,

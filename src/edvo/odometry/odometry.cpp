@@ -54,12 +54,13 @@ std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames
 struct Odometry::State {
   Config config;
   Undistortion undistortion;
-  LocalMap map;                   // keyframes and their joint refinement
-  Reference reference;            // of the last keyframe
-  Alignment alignment;            // of the last tracked frame to the last keyframe
-  SE3 last_from_cur;              // motion of the last two tracked frames
-  std::vector<FrameLink> frames;  // tracked frames
-  std::optional<Stamp> newest;    // of all images
+  std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
+  LocalMap map;                           // keyframes and their joint refinement
+  Reference reference;                    // of the last keyframe
+  Alignment alignment;                    // of the last tracked frame to the last keyframe
+  SE3 last_from_cur;                      // motion of the last two tracked frames
+  std::vector<FrameLink> frames;          // tracked frames
+  std::optional<Stamp> newest;            // of all images
   std::int64_t images = 0;
   int since_keyframe = 0;  // frames
   int lost_in_a_row = 0;   // frames
@@ -105,7 +106,7 @@ TrackResult Odometry::State::align(const Frame& frame) const {
 bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_camera,
                                    FrameReport& report) {
   Stopwatch watch;
-  const cv::Mat_<std::uint8_t> edges = edge_mask(frame, config);
+  const cv::Mat_<std::uint8_t> edges = edge_mask(frame, undistortion, network.get(), config);
   report.milliseconds.edges = watch.lap();
   const cv::Mat_<std::uint8_t> candidates = with_corner_discs(edges, config.corners);
   report.milliseconds.corners = watch.lap();
@@ -176,6 +177,8 @@ Odometry::Odometry(const DistortedCamera& camera, const Config& config)
   check(config);
   state_->config = config;
   state_->undistortion = make_undistortion(camera);
+  if (config.edge.detector == Detector::kNetwork)
+    state_->network = open_network(config.network, state_->undistortion.valid.size());
 }
 
 Odometry::~Odometry() = default;
