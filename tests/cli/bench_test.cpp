@@ -169,7 +169,7 @@ TEST_F(BenchCommand, SaysThatTrackingWasLost) {
   render_sequence();
   write(R"([[variant]]
 name = "impossible"
-set = ["tracking.min_overlap=1", "tracking.min_inliers=1"]
+set = ["tracking.min_overlap=1", "tracking.min_inliers=1", "keyframes.patience=1000"]
 [[sequence]]
 name = "room"
 path = "room"

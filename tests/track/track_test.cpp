@@ -235,7 +235,7 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
   window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
   window[2].world_from_key = poses[2] * motion(-0.004, 0.005, 0.002, 0.002, -0.001, 0.001);
   const WindowSummary summary = refine_window(window, kVgaCamera, 1, options);
-  EXPECT_LT(summary.last_cost, 0.5 * summary.first_cost);
+  EXPECT_LT(summary.last_cost, summary.first_cost);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
     EXPECT_NEAR(window[k].gain, 1, 0.02);

@@ -197,6 +197,27 @@ float residual_sigma(const std::vector<float>& all, const TrackOptions& options)
   return std::max(static_cast<float>(options.min_sigma), mad_sigma(seen));
 }
 
+// Pearson correlation of the reference's and the current intensities of the points in view: an
+// image that shows something else, or nothing, fits only with gain zero, which residuals do not
+// tell.
+double correlation(const ReferenceLevel& reference, const Alignment& alignment,
+                   const std::vector<float>& residuals) {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (std::isnan(residuals[i])) continue;
+    const double before = static_cast<double>(reference.intensity[i]);
+    const double now = static_cast<double>(residuals[i]) + alignment.gain * before + alignment.bias;
+    n += 1;
+    a += before;
+    b += now;
+    aa += before * before;
+    bb += now * now;
+    ab += before * now;
+  }
+  const double spread = (n * aa - a * a) * (n * bb - b * b);
+  return spread > 0 ? (n * ab - a * b) / std::sqrt(spread) : 0.0;
+}
+
 }  // namespace
 
 double coarse_cost(const Reference& reference, const Frame& frame, const Alignment& guess,
@@ -231,6 +252,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
 
     residuals(points, level, result.alignment, all);
     result.sigma = residual_sigma(all, options);
+    result.correlation = correlation(points, result.alignment, all);
     int seen = 0, fitting = 0;
     for (const float r : all) {
       seen += std::isnan(r) ? 0 : 1;
@@ -250,6 +272,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
   }
   const bool fits = result.overlap >= options.min_overlap &&
                     result.inlier_ratio >= options.min_inliers &&
+                    result.correlation >= options.min_correlation &&
                     is_finite(result.alignment.cur_from_ref) && result.information.allFinite();
   result.status = fits ? TrackStatus::kTracked : TrackStatus::kLost;
   return result;

@@ -21,10 +21,11 @@ struct TrackOptions {
   double step_tolerance = 0.01;  // [px]
   bool brightness = true;
   double geometric = 0.2;
-  double depth_noise = 0.003;  // [1 / m]
-  int surface_cell = 14;       // [px]
-  double min_overlap = 0.3;    // [0..1]
-  double min_inliers = 0.4;    // [0..1]
+  double depth_noise = 0.003;    // [1 / m]
+  int surface_cell = 14;         // [px]
+  double min_overlap = 0.3;      // [0..1]
+  double min_inliers = 0.4;      // [0..1]
+  double min_correlation = 0.4;  // [-1..1]
 };
 
 template <typename Self, typename Visitor>
@@ -52,6 +53,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "share of the keyframe's points in view, below which a frame is lost [0..1]");
   visit("min_inliers", self.min_inliers, Range{0, 1},
         "share of points in view that fit, below which a frame is lost [0..1]");
+  visit("min_correlation", self.min_correlation, Range{-1, 1},
+        "correlation of the points' intensities in both images, below which a frame is lost");
 }
 
 // The pose of a frame and its brightness: I_current = gain * I_reference + bias.
@@ -78,6 +81,7 @@ struct TrackResult {
   TrackStatus status = TrackStatus::kLost;
   double overlap = 0;              // [0..1]
   double inlier_ratio = 0;         // [0..1]
+  double correlation = 0;          // of the points' intensities in both images [-1..1]
   double sigma = 0;                // of the residuals at the finest level [grey levels]
   std::vector<LevelStats> levels;  // coarse to fine
 };
