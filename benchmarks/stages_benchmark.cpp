@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Each stage of a frame by itself, on rendered frames, so that no data is needed.
-#include "edvo/edge/canny.hpp"
-#include "edvo/edge/corners.hpp"
-#include "edvo/odometry/odometry.hpp"
+#include "edvo/odometry/local_map.hpp"
 #include "edvo/synth/sequence.hpp"
 #include "edvo/track/tracker.hpp"
 
@@ -14,12 +12,6 @@ using namespace edvo;
 
 constexpr int kSecondFrame = 3;  // a tenth of a second after the keyframe
 
-cv::Mat_<float> strength_of(const cv::Mat_<std::uint8_t>& edges) {
-  cv::Mat_<float> strength;
-  edges.convertTo(strength, CV_32F, 1.0 / 255);
-  return strength;
-}
-
 // Two frames of the demo's room, and what the stages before each benchmark make of them.
 struct World {
   Config config = preset(Method::kCannyCorner);
@@ -29,11 +21,18 @@ struct World {
   Undistortion undistortion = make_undistortion(sequence.camera);
   Frame first = make_frame(first_image, undistortion, config.frame);
   Frame second = make_frame(second_image, undistortion, config.frame);
-  cv::Mat_<std::uint8_t> edges = canny_edges(first.levels[0].gray, config.canny);
-  cv::Mat_<float> strength = strength_of(edges);
+  cv::Mat_<std::uint8_t> edges = edge_mask(first, config);
+  cv::Mat_<std::uint8_t> mask = with_corner_discs(edges, config.corners);
   std::vector<SelectedPixel> pixels =
-      select_pixels(first, edges, undistortion.valid, config.selection);
-  Reference reference = make_reference(first, pixels, config.tracking.softness);
+      select_pixels(first, mask, undistortion.valid, config.selection);
+  Reference reference = reference_with_surface();
+
+  [[nodiscard]] Reference reference_with_surface() const {
+    Reference made = make_reference(first, pixels, config.tracking.softness);
+    made.surface = make_surface(first.depth, undistortion.camera, config.tracking.surface_cell,
+                                config.tracking.depth_noise);
+    return made;
+  }
 };
 
 const World& world() {
@@ -48,19 +47,15 @@ void make_frame_stage(benchmark::State& state) {
 }
 BENCHMARK(make_frame_stage)->Name("frame")->Unit(benchmark::kMillisecond);
 
-void canny_stage(benchmark::State& state) {
+void edges_stage(benchmark::State& state) {
   const World& w = world();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(canny_edges(w.first.levels[0].gray, w.config.canny));
+  for (auto _ : state) benchmark::DoNotOptimize(edge_mask(w.first, w.config));
 }
-BENCHMARK(canny_stage)->Name("edges: canny")->Unit(benchmark::kMillisecond);
+BENCHMARK(edges_stage)->Name("edges: canny")->Unit(benchmark::kMillisecond);
 
 void corners_stage(benchmark::State& state) {
   const World& w = world();
-  for (auto _ : state) {
-    const auto corners = optimize_corners(w.strength, w.config.corners);
-    benchmark::DoNotOptimize(draw_discs(w.strength.size(), corners, w.config.corners.disc_radius));
-  }
+  for (auto _ : state) benchmark::DoNotOptimize(with_corner_discs(w.edges, w.config.corners));
 }
 BENCHMARK(corners_stage)->Name("corners")->Unit(benchmark::kMillisecond);
 
@@ -68,16 +63,15 @@ void selection_stage(benchmark::State& state) {
   const World& w = world();
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        select_pixels(w.first, w.edges, w.undistortion.valid, w.config.selection));
+        select_pixels(w.first, w.mask, w.undistortion.valid, w.config.selection));
 }
 BENCHMARK(selection_stage)->Name("selection")->Unit(benchmark::kMillisecond);
 
 void reference_stage(benchmark::State& state) {
   const World& w = world();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(make_reference(w.first, w.pixels, w.config.tracking.softness));
+  for (auto _ : state) benchmark::DoNotOptimize(w.reference_with_surface());
 }
-BENCHMARK(reference_stage)->Name("reference")->Unit(benchmark::kMillisecond);
+BENCHMARK(reference_stage)->Name("reference and surface")->Unit(benchmark::kMillisecond);
 
 void tracking_stage(benchmark::State& state) {
   const World& w = world();
@@ -85,5 +79,25 @@ void tracking_stage(benchmark::State& state) {
     benchmark::DoNotOptimize(track(w.reference, w.second, Alignment{}, w.config.tracking));
 }
 BENCHMARK(tracking_stage)->Name("tracking")->Unit(benchmark::kMillisecond);
+
+// The second keyframe, refined against the first: a full window takes several times as long.
+void map_stage(benchmark::State& state) {
+  const World& w = world();
+  const std::vector<SelectedPixel> pixels =
+      select_pixels(w.second, with_corner_discs(edge_mask(w.second, w.config), w.config.corners),
+                    w.undistortion.valid, w.config.selection);
+  const SE3 first_from_second = inverse(synth::pose_of(w.sequence, 0).world_from_camera) *
+                                synth::pose_of(w.sequence, kSecondFrame).world_from_camera;
+  LocalMap one;
+  one.add(w.first, SE3{}, Alignment{}, w.pixels, w.config);
+  for (auto _ : state) {
+    state.PauseTiming();
+    LocalMap map = one;
+    state.ResumeTiming();
+    map.add(w.second, first_from_second, Alignment{}, pixels, w.config);
+    benchmark::DoNotOptimize(map);
+  }
+}
+BENCHMARK(map_stage)->Name("map: second keyframe")->Unit(benchmark::kMillisecond);
 
 }  // namespace
