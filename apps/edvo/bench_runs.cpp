@@ -94,7 +94,7 @@ struct Sequence {
   EvalOptions options;
 };
 
-// Leaves a failure where the two cannot be compared.
+// None, and a problem, where the two cannot be compared.
 std::optional<Evaluation> try_to_evaluate(const std::optional<GroundTruth>& truth,
                                           const Trajectory& estimate, const EvalOptions& options,
                                           std::string& problem) {
