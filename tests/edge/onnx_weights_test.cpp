@@ -149,6 +149,43 @@ TEST(PlainWeights, TakesOutIdentities) {
             0);
 }
 
+TEST(PlainWeights, RefusesATensorOfAnotherSizeThanItSays) {
+  constexpr std::uint64_t kInitializer = 5, kDataLocation = 14;
+  std::string message = encoded(floats({1}, {1}), "more");
+  protobuf::append_varint(message, 1, 1000);  // one more side
+  Model model = test::tiny_model();
+  const std::string good = model.weights;
+  model.weights = with_more(good, kInitializer, {message});
+  EXPECT_TRUE(
+      fails_with(ErrorCode::kModel,
+                 {"tiny_edges.onnx: tensor 'more': it has the shape (1, 1000), but 4 bytes"}, [&] {
+                   (void)make_network_detector(model, {64, 64});
+                 }));
+  message = encoded(floats({0}, {}), "far");
+  protobuf::append_varint(message, kDataLocation, 1);
+  model.weights = with_more(good, kInitializer, {message});
+  EXPECT_TRUE(fails_with(ErrorCode::kModel, {"tensor 'far': its data are in another file"}, [&] {
+    (void)make_network_detector(model, {64, 64});
+  }));
+}
+
+TEST(PlainWeights, RefusesAGraphWithLooseEnds) {
+  constexpr std::uint64_t kNode = 1, kInput = 11, kOutput = 12;
+  const auto refuses = [](std::uint64_t field, const std::string& message,
+                          const std::string& part) {
+    const std::string onnx = with_more(test::tiny_model().weights, field, {message});
+    return fails_with(ErrorCode::kModel, {"file: ", part},
+                      [&] { (void)with_plain_weights(onnx, "file"); });
+  };
+  std::string value;
+  protobuf::append_bytes(value, 1, "another");
+  EXPECT_TRUE(
+      refuses(kInput, value, "it has 2 inputs (another, bgr); one, the image, is expected"));
+  EXPECT_TRUE(refuses(kOutput, value, "nothing gives its output 'another'"));
+  EXPECT_TRUE(refuses(kNode, node("Conv", {"bgr", "another"}, "x"),
+                      "its node Conv needs 'another', which nothing gives"));
+}
+
 TEST(PlainWeights, NamesWhatIsDamaged) {
   constexpr std::uint64_t kNode = 1;
   const std::string onnx = with_more(test::tiny_model().weights, kNode,

@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little, "raw_data is little-en
 
 // Field numbers of TensorProto in onnx.proto.
 constexpr std::uint64_t kDims = 1, kDataType = 2, kFloatData = 4, kInt32Data = 5, kInt64Data = 7,
-                        kName = 8, kRawData = 9;
+                        kName = 8, kRawData = 9, kDoubleData = 10, kDataLocation = 14;
 
 constexpr std::int64_t kMostNumbers = std::int64_t{1} << 29;
 
@@ -33,13 +33,16 @@ constexpr std::int64_t kMostNumbers = std::int64_t{1} << 29;
 std::size_t bytes_each(OnnxType type) {
   switch (type) {
     case OnnxType::kUint8:
+    case OnnxType::kBool:
     case OnnxType::kInt8:
       return 1;
+    case OnnxType::kFloat16:
     case OnnxType::kInt16:
       return 2;
     case OnnxType::kFloat:
     case OnnxType::kInt32:
       return 4;
+    case OnnxType::kDouble:
     case OnnxType::kInt64:
       return 8;
   }
@@ -79,7 +82,7 @@ std::string from_varints(const Field& field, OnnxType type) {
 }
 
 bool is_known(std::uint64_t type) {
-  return type >= 1 && type <= 7 && type != 4;
+  return type >= 1 && type <= 11 && bytes_each(static_cast<OnnxType>(type)) > 0;
 }
 
 OnnxTensor tensor_from(const std::vector<Field>& fields) {
@@ -97,7 +100,10 @@ OnnxTensor tensor_from(const std::vector<Field>& fields) {
       for (const std::uint64_t side : *sides)
         tensor.dims.push_back(static_cast<std::int64_t>(side));
     }
-    if (field.number == kRawData || field.number == kFloatData) tensor.data += field.content;
+    if (field.number == kDataLocation && field.value != 0)
+      fail("its data are in another file; save the network as one file");
+    if (field.number == kRawData || field.number == kFloatData || field.number == kDoubleData)
+      tensor.data += field.content;
     if (field.number == kInt32Data || field.number == kInt64Data)
       tensor.data += from_varints(field, tensor.type);
   }

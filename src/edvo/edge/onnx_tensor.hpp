@@ -9,7 +9,17 @@
 
 namespace edvo {
 
-enum class OnnxType { kFloat = 1, kUint8 = 2, kInt8 = 3, kInt16 = 5, kInt32 = 6, kInt64 = 7 };
+enum class OnnxType {
+  kFloat = 1,
+  kUint8 = 2,
+  kInt8 = 3,
+  kInt16 = 5,
+  kInt32 = 6,
+  kInt64 = 7,
+  kBool = 9,
+  kFloat16 = 10,
+  kDouble = 11
+};
 
 struct OnnxTensor {
   std::vector<std::int64_t> dims;  // none = one number
@@ -23,8 +33,8 @@ struct Quantization {
   std::int64_t block_size = 0;  // numbers along the axis that share a scale, 0 = not in blocks
 };
 
-// From a TensorProto. Throws Error(kModel) naming the tensor, not the file, if it is damaged or of
-// another type.
+// From a TensorProto. Throws Error(kModel) naming the tensor, not the file, if it is damaged, of
+// another type, has less or more data than its shape says or keeps them in another file.
 [[nodiscard]] OnnxTensor onnx_tensor(std::string_view message);
 
 [[nodiscard]] std::string onnx_tensor_name(std::string_view message);

@@ -19,14 +19,18 @@ using protobuf::Field;
 
 // Field numbers of onnx.proto.
 constexpr std::uint64_t kModelGraph = 7;
-constexpr std::uint64_t kGraphNode = 1, kGraphInitializer = 5, kGraphOutput = 12;
+constexpr std::uint64_t kGraphNode = 1, kGraphInitializer = 5, kGraphInput = 11, kGraphOutput = 12;
 constexpr std::uint64_t kNodeInput = 1, kNodeOutput = 2, kNodeType = 4, kNodeAttribute = 5;
 constexpr std::uint64_t kAttributeName = 1, kAttributeInteger = 3, kAttributeTensor = 5;
 constexpr std::uint64_t kValueName = 1;
 
+[[noreturn]] void fail(const std::string& reason) {
+  throw Error(ErrorCode::kModel, reason);
+}
+
 std::vector<Field> fields_of(std::string_view message) {
   auto fields = protobuf::fields_of(message);
-  if (!fields) throw Error(ErrorCode::kModel, "not an ONNX file, or a truncated one");
+  if (!fields) fail("not an ONNX file, or a truncated one");
   return std::move(*fields);
 }
 
@@ -68,15 +72,20 @@ class Folding {
  public:
   explicit Folding(std::string_view graph) : fields_(fields_of(graph)) {
     for (const Field& field : fields_) {
-      if (field.number == kGraphInitializer)
+      if (field.number == kGraphInitializer) {
+        // OpenCV believes the shapes and would read beyond the data.
+        (void)onnx_tensor(field.content);
         stored_[onnx_tensor_name(field.content)] = field.content;
-      if (field.number != kGraphOutput) continue;
+      }
+      if (field.number != kGraphOutput && field.number != kGraphInput) continue;
       for (const Field& value : fields_of(field.content))
-        if (value.number == kValueName) outputs_.emplace(value.content);
+        if (value.number == kValueName)
+          (field.number == kGraphOutput ? outputs_ : inputs_).emplace(value.content);
     }
     std::vector<Node> nodes;
     for (const Field& field : fields_)
       if (field.number == kGraphNode) nodes.push_back(node_from(field.content));
+    check_names(nodes);
     for (const Node& node : nodes)
       for (const std::string& input : node.inputs) ++uses_[input];
     for (Node& node : nodes)
@@ -115,6 +124,26 @@ class Folding {
   }
 
  private:
+  // OpenCV looks for names that nothing gives until it crashes.
+  void check_names(const std::vector<Node>& nodes) const {
+    std::vector<std::string> images;
+    std::set<std::string, std::less<>> given(inputs_);
+    for (const std::string& input : inputs_)
+      if (!stored_.contains(input)) images.push_back(input);
+    if (images.size() != 1)
+      fail(fmt::format("it has {} inputs ({}); one, the image, is expected", images.size(),
+                       fmt::join(images, ", ")));
+    for (const auto& [name, content] : stored_) given.insert(name);
+    for (const Node& node : nodes) {
+      for (const std::string& input : node.inputs)
+        if (!input.empty() && !given.contains(input))
+          fail(fmt::format("its node {} needs '{}', which nothing gives", node.type, input));
+      given.insert(node.outputs.begin(), node.outputs.end());
+    }
+    for (const std::string& output : outputs_)
+      if (!given.contains(output)) fail(fmt::format("nothing gives its output '{}'", output));
+  }
+
   [[nodiscard]] std::string origin(const std::string& name) const {
     const auto found = renamed_.find(name);
     return found == renamed_.end() ? name : found->second;
@@ -172,12 +201,14 @@ class Folding {
   void keep_constant(const Node& node) {
     for (const std::string_view attribute : node.attributes)
       for (const Field& field : fields_of(attribute))
-        if (field.number == kAttributeTensor && node.outputs.size() == 1)
+        if (field.number == kAttributeTensor && node.outputs.size() == 1) {
+          (void)onnx_tensor(field.content);
           stored_[node.outputs[0]] = field.content;
+        }
   }
 
   std::vector<Field> fields_;
-  std::set<std::string, std::less<>> outputs_;
+  std::set<std::string, std::less<>> inputs_, outputs_;
   std::map<std::string, int> uses_;  // as an input, by name
   std::map<std::string, std::string_view> stored_;
   std::map<std::string, OnnxTensor> computed_;

@@ -12,7 +12,7 @@ namespace edvo {
 // (DequantizeLinear, Reshape: the OpenCV zoo's DexiNed), or shared through Identity nodes (torch's
 // exporter). OpenCV 4.6 loads neither; here both are worked out once, before it sees the file.
 // None where the file has nothing of that kind and may be used as it is. Throws Error(kModel)
-// naming the source if it is damaged.
+// naming the source if it is damaged, as where a tensor has not the size that its shape says.
 [[nodiscard]] std::optional<std::string> with_plain_weights(std::string_view onnx,
                                                             const std::string& source);
 
