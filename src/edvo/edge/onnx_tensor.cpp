@@ -85,13 +85,22 @@ bool is_known(std::uint64_t type) {
   return type >= 1 && type <= 11 && bytes_each(static_cast<OnnxType>(type)) > 0;
 }
 
-OnnxTensor tensor_from(const std::vector<Field>& fields) {
-  OnnxTensor tensor;
+// A tensor whose data are not put together yet.
+struct Parts {
+  OnnxTensor tensor;                     // without data
+  std::vector<std::string_view> pieces;  // as they are
+  std::string numbers;                   // from varints
+};
+
+Parts parts_of(const std::vector<Field>& fields) {
+  Parts parts;
+  OnnxTensor& tensor = parts.tensor;
   for (const Field& field : fields)
     if (field.number == kDataType) {
       if (!is_known(field.value)) fail(fmt::format("its data type {} is not known", field.value));
       tensor.type = static_cast<OnnxType>(field.value);
     }
+  std::size_t bytes = 0;
   for (const Field& field : fields) {
     if (field.number == kDims) {
       const auto sides = field.type == WireType::kBytes ? protobuf::packed_varints(field.content)
@@ -102,16 +111,28 @@ OnnxTensor tensor_from(const std::vector<Field>& fields) {
     }
     if (field.number == kDataLocation && field.value != 0)
       fail("its data are in another file; save the network as one file");
-    if (field.number == kRawData || field.number == kFloatData || field.number == kDoubleData)
-      tensor.data += field.content;
+    if (field.number == kRawData || field.number == kFloatData || field.number == kDoubleData) {
+      parts.pieces.push_back(field.content);
+      bytes += field.content.size();
+    }
     if (field.number == kInt32Data || field.number == kInt64Data)
-      tensor.data += from_varints(field, tensor.type);
+      parts.numbers += from_varints(field, tensor.type);
   }
+  bytes += parts.numbers.size();
   const auto count = count_of(tensor.dims);
-  if (!count || static_cast<std::size_t>(*count) * bytes_each(tensor.type) != tensor.data.size())
+  if (!count || static_cast<std::size_t>(*count) * bytes_each(tensor.type) != bytes)
     fail(fmt::format("it has the shape ({}), but {} bytes of data", fmt::join(tensor.dims, ", "),
-                     tensor.data.size()));
-  return tensor;
+                     bytes));
+  return parts;
+}
+
+Parts named_parts_of(std::string_view message) {
+  const std::string name = onnx_tensor_name(message);
+  try {
+    return parts_of(*protobuf::fields_of(message));
+  } catch (const Error& error) {
+    fail(fmt::format("tensor '{}': {}", name, error.what()));
+  }
 }
 
 template <typename Number>
@@ -192,13 +213,15 @@ std::string onnx_tensor_name(std::string_view message) {
   return {};
 }
 
+void check_onnx_tensor(std::string_view message) {
+  (void)named_parts_of(message);
+}
+
 OnnxTensor onnx_tensor(std::string_view message) {
-  const std::string name = onnx_tensor_name(message);
-  try {
-    return tensor_from(*protobuf::fields_of(message));
-  } catch (const Error& error) {
-    fail(fmt::format("tensor '{}': {}", name, error.what()));
-  }
+  Parts parts = named_parts_of(message);
+  for (const std::string_view piece : parts.pieces) parts.tensor.data += piece;
+  parts.tensor.data += parts.numbers;
+  return std::move(parts.tensor);
 }
 
 std::string encoded(const OnnxTensor& tensor, std::string_view name) {

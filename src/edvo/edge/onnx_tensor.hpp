@@ -37,6 +37,9 @@ struct Quantization {
 // another type, has less or more data than its shape says or keeps them in another file.
 [[nodiscard]] OnnxTensor onnx_tensor(std::string_view message);
 
+// Throws where onnx_tensor() would.
+void check_onnx_tensor(std::string_view message);
+
 [[nodiscard]] std::string onnx_tensor_name(std::string_view message);
 
 // As a TensorProto.

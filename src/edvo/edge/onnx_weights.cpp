@@ -74,7 +74,7 @@ class Folding {
     for (const Field& field : fields_) {
       if (field.number == kGraphInitializer) {
         // OpenCV believes the shapes and would read beyond the data.
-        (void)onnx_tensor(field.content);
+        check_onnx_tensor(field.content);
         stored_[onnx_tensor_name(field.content)] = field.content;
       }
       if (field.number != kGraphOutput && field.number != kGraphInput) continue;
@@ -97,7 +97,8 @@ class Folding {
   // The graph without what was folded.
   [[nodiscard]] std::string graph() const {
     std::set<std::string, std::less<>> used(outputs_);
-    std::string nodes, rest;
+    std::string graph;
+    graph.reserve(size());  // large: not to be copied more often than it must
     for (const Node& node : kept_) {
       std::string content;
       for (const Field& field : fields_of(node.content)) {
@@ -109,18 +110,18 @@ class Folding {
         used.insert(name);
         protobuf::append_bytes(content, kNodeInput, name);
       }
-      protobuf::append_bytes(nodes, kGraphNode, content);
+      protobuf::append_bytes(graph, kGraphNode, content);
     }
     for (const Field& field : fields_) {
       if (field.number == kGraphNode) continue;
       if (field.number == kGraphInitializer && !used.contains(onnx_tensor_name(field.content)))
         continue;
-      rest += field.encoded;
+      graph += field.encoded;
     }
     for (const auto& [name, tensor] : computed_)
       if (used.contains(name))
-        protobuf::append_bytes(rest, kGraphInitializer, encoded(tensor, name));
-    return nodes + rest;
+        protobuf::append_bytes(graph, kGraphInitializer, encoded(tensor, name));
+    return graph;
   }
 
  private:
@@ -142,6 +143,15 @@ class Folding {
     }
     for (const std::string& output : outputs_)
       if (!given.contains(output)) fail(fmt::format("nothing gives its output '{}'", output));
+  }
+
+  // Of the graph without what was folded [bytes], rather too much.
+  [[nodiscard]] std::size_t size() const {
+    constexpr std::size_t kOverhead = 256;  // of a tensor's head
+    std::size_t bytes = 0;
+    for (const Field& field : fields_) bytes += field.encoded.size();
+    for (const auto& [name, tensor] : computed_) bytes += tensor.data.size() + kOverhead;
+    return bytes;
   }
 
   [[nodiscard]] std::string origin(const std::string& name) const {
@@ -202,7 +212,7 @@ class Folding {
     for (const std::string_view attribute : node.attributes)
       for (const Field& field : fields_of(attribute))
         if (field.number == kAttributeTensor && node.outputs.size() == 1) {
-          (void)onnx_tensor(field.content);
+          check_onnx_tensor(field.content);
           stored_[node.outputs[0]] = field.content;
         }
   }
@@ -225,7 +235,10 @@ std::optional<std::string> folded(std::string_view onnx) {
     }
     const Folding folding(field.content);
     if (!folding.changes_something()) return std::nullopt;
-    protobuf::append_bytes(model, kModelGraph, folding.graph());
+    constexpr std::size_t kHead = 16;  // [bytes], key and length
+    const std::string graph = folding.graph();
+    model.reserve(onnx.size() - field.encoded.size() + graph.size() + kHead);
+    protobuf::append_bytes(model, kModelGraph, graph);
   }
   return model;
 }
