@@ -21,7 +21,7 @@ fs::path models_folder() {
 
 std::string model_file(const std::string& file_or_name) {
   std::error_code ignored;
-  if (file_or_name.empty() || fs::exists(file_or_name, ignored)) return file_or_name;
+  if (file_or_name.empty() || fs::is_regular_file(file_or_name, ignored)) return file_or_name;
   const fs::path cache = cache_folder();
   if (!cache.empty())
     if (const auto description = find_cached_model(cache / "models", file_or_name))

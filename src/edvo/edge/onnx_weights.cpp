@@ -201,7 +201,7 @@ class Folding {
   // Not copied where nothing else needs it: all weights together are large.
   OnnxTensor take(const std::string& name) {
     const auto found = computed_.find(name);
-    if (uses_[name] > 1) return found->second;
+    if (uses_[name] > 1 || !renamed_.empty()) return found->second;
     OnnxTensor tensor = std::move(found->second);
     computed_.erase(found);
     return tensor;

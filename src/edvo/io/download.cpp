@@ -67,7 +67,7 @@ class PartFile {
   }
 
  private:
-  const fs::path& path_;
+  fs::path path_;
   int descriptor_;
 };
 
