@@ -8,6 +8,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(LibArchive REQUIRED)
 find_package(Threads REQUIRED)
+find_package(CURL 7.85 REQUIRED)  # only its header: io/curl_library.hpp
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)

@@ -3,6 +3,7 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "enum_option.hpp"
+#include "model_choice.hpp"
 
 #include <fmt/format.h>
 
@@ -34,9 +35,11 @@ void add_config_flags(CLI::App& verb, ConfigFlags& flags) {
   verb.add_option("--method", flags.method,
                   fmt::format("one of {}", fmt::join(names_of<Method>(), ", ")));
   verb.add_option("--config", flags.file, "TOML file; what it names replaces the method's options");
-  verb.add_option("--model", flags.model,
-                  "description of an edge network (docs/models.md); implies --method cnn+corner")
-      ->type_name("FILE");
+  verb.add_option(
+          "--model", flags.model,
+          "edge network: a description file (docs/models.md) or a name of edvo models; implies "
+          "--method cnn+corner")
+      ->type_name("FILE|NAME");
   verb.add_option("--set", flags.set, "group.field=value, after the file; may be repeated")
       ->take_all()
       ->expected(1);
@@ -57,6 +60,7 @@ Config resolve_config(const ConfigFlags& flags) {
                 fmt::format("--model {}: method {} uses no network; choose --method cnn+corner or "
                             "leave the model out",
                             flags.model, name_of(chosen_method(flags))));
+  config.network.model = model_file(config.network.model);
   check(config);
   return config;
 }

@@ -4,6 +4,7 @@
 #include "config_flags.hpp"
 #include "edvo/core/error.hpp"
 #include "edvo/io/image_file.hpp"
+#include "edvo/io/strength_file.hpp"
 
 #include <fmt/core.h>
 
@@ -24,7 +25,7 @@ struct Arguments {
   fs::path output;
   std::string detector;  // empty = as the other options say
   ConfigFlags config;
-  bool strength = false;
+  bool strength = false, raw = false;
   int threads = 2;
 };
 
@@ -58,13 +59,14 @@ std::vector<fs::path> images_in(const fs::path& folder) {
 // What is read and what is written, so that nothing is written over an image or another result.
 std::vector<Task> plan(const Arguments& arguments) {
   const fs::path& output = arguments.output;
+  const std::string ending = arguments.raw ? ".npy" : ".png";
   std::vector<Task> tasks;
   if (fs::is_directory(arguments.input)) {
     for (const fs::path& image : images_in(arguments.input))
-      tasks.push_back({image, output / (image.stem().string() + ".png")});
+      tasks.push_back({image, output / (image.stem().string() + ending)});
   } else {
-    const bool is_file = lower_extension(output) == ".png" && !fs::is_directory(output);
-    const fs::path name = arguments.input.stem().string() + ".png";
+    const bool is_file = lower_extension(output) == ending && !fs::is_directory(output);
+    const fs::path name = arguments.input.stem().string() + ending;
     tasks.push_back({arguments.input, is_file ? output : output / name});
   }
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -102,19 +104,29 @@ Config resolve(const Arguments& arguments) {
   return config;
 }
 
-// The edge map as it is written: the mask that odometry uses, or the strength in 255 steps.
-cv::Mat_<std::uint8_t> edge_image(const cv::Mat_<cv::Vec3b>& bgr, const EdgeDetector* network,
-                                  const Config& config, bool wants_strength) {
+// Without a network: its strength is 0 or 1.
+cv::Mat_<std::uint8_t> canny_image(const cv::Mat_<cv::Vec3b>& bgr, const CannyOptions& options) {
+  cv::Mat gray;
+  cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
+  return canny_edges(gray, options);
+}
+
+// The mask that odometry uses, or the strength, in 255 steps or as it is.
+void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const EdgeDetector* network,
+                 const Config& config, const Arguments& arguments) {
   if (network == nullptr) {
-    cv::Mat gray;
-    cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-    return canny_edges(gray, config.canny);  // its strength is 0 or 1
+    const cv::Mat_<std::uint8_t> edges = canny_image(bgr, config.canny);
+    if (!arguments.raw) return write_png(file, edges);
+    cv::Mat_<float> ones;
+    edges.convertTo(ones, CV_32F, 1 / 255.);
+    return write_npy(file, ones);
   }
   const cv::Mat_<float> strength = network->detect(bgr);
-  if (!wants_strength) return network_edges(strength, config.network);
+  if (arguments.raw) return write_npy(file, strength);
+  if (!arguments.strength) return write_png(file, network_edges(strength, config.network));
   cv::Mat_<std::uint8_t> levels;
   strength.convertTo(levels, CV_8U, 255);
-  return levels;
+  write_png(file, levels);
 }
 
 void detect_edges(const Arguments& arguments) {
@@ -126,9 +138,8 @@ void detect_edges(const Arguments& arguments) {
     const cv::Mat_<cv::Vec3b> bgr = read_colour(task.image);
     if (config.edge.detector == Detector::kNetwork && !network)
       network = open_network(config.network, bgr.size());
-    const cv::Mat edges = edge_image(bgr, network.get(), config, arguments.strength);
     make_folder(task.result.parent_path());
-    write_png(task.result, edges);
+    write_edges(task.result, bgr, network.get(), config, arguments);
   }
   fmt::print("{} edge map{} written to {}\n", tasks.size(), tasks.size() == 1 ? "" : "s",
              arguments.output.string());
@@ -143,7 +154,7 @@ void add_edges_command(CLI::App& program) {
   verb->add_option("input", arguments->input, "PNG or JPEG image, or a folder of them")
       ->required()
       ->type_name("IMAGE|FOLDER");
-  verb->add_option("-o,--output", arguments->output, "Folder, or for one image a file name.png")
+  verb->add_option("-o,--output", arguments->output, "Folder, or for one image a file name")
       ->required()
       ->type_name("OUT");
   verb->add_option("--detector", arguments->detector, "canny or network")
@@ -152,6 +163,9 @@ void add_edges_command(CLI::App& program) {
   verb->get_option("--detector")->excludes(verb->get_option("--method"));
   verb->add_flag("--strength", arguments->strength,
                  "Write the network's edge strength instead of thin edges");
+  verb->add_flag("--raw", arguments->raw,
+                 "Write it as NumPy's .npy instead, 32-bit floats, nothing rounded")
+      ->excludes("--strength");
   verb->add_option("--threads", arguments->threads, "Threads of the network")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

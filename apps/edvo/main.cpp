@@ -15,7 +15,7 @@ using namespace edvo::app;
 // apps/edvo/VERB_command.cpp.
 const std::vector<void (*)(CLI::App&)> kVerbs = {
     add_run_command,   add_demo_command,  add_synth_command,  add_eval_command,
-    add_bench_command, add_edges_command, add_config_command,
+    add_bench_command, add_edges_command, add_models_command, add_config_command,
 };
 
 int fail(edvo::ErrorCode code, const std::string& message) {

@@ -2,6 +2,7 @@
 #include "run_loop.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/edge/network.hpp"
 #include "edvo/io/prefetch.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/recorder.hpp"
@@ -10,9 +11,12 @@
 #include "stop_signal.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <opencv2/core/utility.hpp>
 #include <variant>
 
@@ -46,6 +50,28 @@ void skip(const SkippedFrame& frame, Recorder& recorder, Progress& progress) {
   if (count == kMostWarnings)
     progress.say("warning: should more be skipped, frames.jsonl will name them");
   progress.frame_skipped();
+}
+
+using Warn = std::function<void(const std::string&)>;
+
+// The network with a memory, or none where the options ask for no memory. Refers to warn.
+std::unique_ptr<EdgeDetector> remembering_network(const RunOptions& options, const Config& config,
+                                                  const Camera& camera, const Warn& warn) {
+  if (options.edge_cache.empty()) return nullptr;
+  if (config.edge.detector != Detector::kNetwork)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--edge-cache {}: method {} uses no network; leave the cache out or "
+                            "choose --method cnn+corner",
+                            options.edge_cache, method_name(options)));
+  std::error_code error;
+  fs::create_directories(options.edge_cache, error);
+  if (error || ::access(options.edge_cache.c_str(), W_OK) != 0)
+    throw Error(ErrorCode::kOutput,
+                fmt::format("--edge-cache {}: cannot be written: {}", options.edge_cache,
+                            error ? error.message() : std::strerror(errno)));
+  return open_cached_network(
+      config.network, {camera.width, camera.height},
+      {.folder = options.edge_cache, .warn = [&warn](const std::string& text) { warn(text); }});
 }
 
 // True if a signal ended it early.
@@ -106,9 +132,15 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
                      const Config& config, const std::optional<GroundTruth>& truth,
                      const RunOptions& options) {
   cv::setNumThreads(std::max(1, options.threads - 1));  // one thread reads ahead
-  Odometry odometry(description.camera, config);
+  Warn warn = [](const std::string&) {};
+  Odometry odometry(description.camera, config,
+                    remembering_network(options, config, description.camera.pinhole, warn));
   Recorder recorder(make_run_folder(options, description.sequence), description);
   Progress progress(description.frames, options.quiet);
+  warn = [&](const std::string& warning) {
+    recorder.warn(warning);
+    progress.say("warning: " + warning);
+  };
 
   const StopSignal signal;  // also while the results are written
   RunOutcome outcome;

@@ -11,6 +11,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "Folder for the results, default runs/<sequence>/<UTC time>")
       ->type_name("DIR");
   command.add_flag("--force", options.force, "Replace the results of an earlier run in DIR");
+  command
+      .add_option("--edge-cache", options.edge_cache,
+                  "Folder that keeps the network's edge maps for the next run")
+      ->type_name("DIR");
   command.add_option("--threads", options.threads, "1, or more to read images ahead of their use")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

@@ -12,7 +12,8 @@ namespace edvo::app {
 
 struct RunOptions {
   ConfigFlags config;
-  std::string output;  // folder, empty = runs/<sequence>/<UTC stamp>
+  std::string output;      // folder, empty = runs/<sequence>/<UTC stamp>
+  std::string edge_cache;  // folder, empty = none
   bool force = false;
   int threads = 2;  // one of them reads ahead if there are two or more
   bool json = false;

@@ -34,14 +34,26 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
     return fmt::format("unknown verb '{}'{} (known: {})", first_word,
                        did_you_mean(first_word, verbs), fmt::join(verbs, ", "));
   }
-  const CLI::App& verb = *chosen.back();
-  for (const std::string& word : verb.remaining()) {
-    if (!word.starts_with("--")) continue;
-    const std::string name = word.substr(0, word.find('='));
-    return fmt::format("unknown option '{}'{} See edvo {} --help", name,
-                       did_you_mean(name, options_of(verb)), verb.get_name());
+  const CLI::App* verb = chosen.back();
+  std::string name = verb->get_name();
+  while (!verb->get_subcommands().empty()) {
+    verb = verb->get_subcommands().back();
+    name += " " + verb->get_name();
   }
-  return fmt::format("{}; see edvo {} --help", error.what(), verb.get_name());
+  const std::vector<std::string> words = verb->remaining();
+  if (const std::vector<std::string> verbs = verbs_of(*verb); !verbs.empty()) {
+    const std::string known = fmt::format("(known: {})", fmt::join(verbs, ", "));
+    if (words.empty()) return fmt::format("{} needs a verb {}", name, known);
+    return fmt::format("unknown verb '{} {}'{} {}", name, words.front(),
+                       did_you_mean(words.front(), verbs), known);
+  }
+  for (const std::string& word : words) {
+    if (!word.starts_with("--")) continue;
+    const std::string option = word.substr(0, word.find('='));
+    return fmt::format("unknown option '{}'{} See edvo {} --help", option,
+                       did_you_mean(option, options_of(*verb)), name);
+  }
+  return fmt::format("{}; see edvo {} --help", error.what(), name);
 }
 
 }  // namespace edvo::app

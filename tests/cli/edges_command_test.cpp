@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/error.hpp"
+#include "edvo/io/file.hpp"
 #include "edvo/io/image_file.hpp"
 #include "support/program.hpp"
 #include "support/temporary_folder.hpp"
@@ -7,6 +8,10 @@
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
 
 namespace edvo {
 namespace {
@@ -57,6 +62,22 @@ TEST_F(EdgesCommand, WritesTheStrengthOfOneImage) {
   EXPECT_GT(strength(25, 20)[0], 250);
   EXPECT_GT(strength(0, 0)[0], 0);  // not a mask
   EXPECT_LT(strength(0, 0)[0], 30);
+}
+
+TEST_F(EdgesCommand, WritesTheStrengthUnroundedForNumPy) {
+  for (const std::string& detector : {std::string(" --detector canny"), model_}) {
+    ASSERT_EQ(run(images_.string() + " --raw" + detector).status, 0);
+    const std::string file = read_file(output_ / "a.npy");
+    EXPECT_TRUE(file.starts_with("\x93NUMPY\x01"));
+    EXPECT_THAT(file, HasSubstr("{'descr': '<f4', 'fortran_order': False, 'shape': (64, 96), }"));
+    constexpr std::size_t kHeader = 128;  // [bytes]
+    ASSERT_EQ(file.size(), kHeader + 64 * 96 * sizeof(float));
+    std::array<float, 3> row{};  // across the left side of the square
+    std::memcpy(row.data(), file.data() + kHeader + (25 * 96 + 19) * sizeof(float), sizeof row);
+    const float on_edge = *std::ranges::max_element(row);
+    EXPECT_GT(on_edge, 0.99F) << detector;
+    EXPECT_LE(on_edge, 1.F) << detector;
+  }
 }
 
 TEST_F(EdgesCommand, RefusesWhatItCannotDo) {

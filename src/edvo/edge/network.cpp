@@ -2,7 +2,9 @@
 #include "edvo/edge/network.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
+#include "edvo/core/sha256.hpp"
 #include "edvo/edge/onnx_outputs.hpp"
+#include "edvo/edge/onnx_weights.hpp"
 #include "edvo/edge/thin.hpp"
 #include "edvo/io/model_file.hpp"
 
@@ -59,8 +61,10 @@ void check_weights(const cv::dnn::Net& network, const std::string& source) {
 }
 
 cv::dnn::Net load(const Model& model) {
+  const std::optional<std::string> plain = with_plain_weights(model.weights, model.source);
+  const std::string& bytes = plain ? *plain : model.weights;
   try {
-    cv::dnn::Net network = cv::dnn::readNetFromONNX(model.weights.data(), model.weights.size());
+    cv::dnn::Net network = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
     network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     network.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
     check_weights(network, model.source);
@@ -184,6 +188,14 @@ class NetworkDetector final : public EdgeDetector {
   mutable cv::dnn::Net network_;
 };
 
+Model model_of(const NetworkOptions& options) {
+  if (options.model.empty())
+    throw Error(ErrorCode::kModel,
+                "network.model is empty: edges by a network need one; give its description file "
+                "with --model FILE, or choose --method canny+corner");
+  return read_model(options.model);
+}
+
 }  // namespace
 
 std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size) {
@@ -193,11 +205,24 @@ std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size
 }
 
 std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options, cv::Size image_size) {
-  if (options.model.empty())
-    throw Error(ErrorCode::kModel,
-                "network.model is empty: edges by a network need one; give its description file "
-                "with --model FILE, or choose --method canny+corner");
-  return make_network_detector(read_model(options.model), image_size);
+  return make_network_detector(model_of(options), image_size);
+}
+
+std::unique_ptr<EdgeDetector> open_cached_network(const NetworkOptions& options,
+                                                  cv::Size image_size, EdgeCache cache) {
+  const Model model = model_of(options);
+  return make_cached_detector(make_network_detector(model, image_size), fingerprint(model),
+                              std::move(cache));
+}
+
+std::string fingerprint(const Model& model) {
+  const auto& [name, file, hash, licence, source, input, output] = model.description;
+  // A hash that stands in the description was checked when the weights were read.
+  return sha256(fmt::format(
+      "{} {} {} {} {} {} {}x{} {} {} {} {} OpenCV {}", hash.empty() ? sha256(model.weights) : hash,
+      static_cast<int>(input.channels), fmt::join(input.mean, " "), input.scale, input.multiple_of,
+      static_cast<int>(input.padding), input.size.width, input.size.height, input.factor,
+      output.name, output.index, static_cast<int>(output.activation), CV_VERSION));
 }
 
 cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,

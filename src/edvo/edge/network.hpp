@@ -3,6 +3,7 @@
 #pragma once
 
 #include "edvo/core/fields.hpp"
+#include "edvo/edge/cached_detector.hpp"
 #include "edvo/edge/detector.hpp"
 
 #include <concepts>
@@ -37,6 +38,15 @@ void visit_fields(Self& self, Visitor&& visit) {
 // The same for the description file of the options. Throws Error(kModel) if they name none.
 [[nodiscard]] std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options,
                                                          cv::Size image_size);
+
+// And one that remembers its answers.
+[[nodiscard]] std::unique_ptr<EdgeDetector> open_cached_network(const NetworkOptions& options,
+                                                                cv::Size image_size,
+                                                                EdgeCache cache);
+
+// The same for two models only if their answers are, too: a hash of the weights, of what their
+// description says of input and output, and of the engine.
+[[nodiscard]] std::string fingerprint(const Model& model);
 
 // H x W, 255 = edge.
 [[nodiscard]] cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,

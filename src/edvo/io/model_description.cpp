@@ -7,6 +7,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <sstream>
 #include <vector>
 
 namespace edvo {
@@ -154,6 +155,20 @@ NetworkOutput read_output(Reader reader) {
   return output;
 }
 
+// With the escapes that TOML needs.
+std::string quoted(const std::string& text) {
+  std::ostringstream stream;
+  stream << toml::value<std::string>(text);
+  return stream.str();
+}
+
+template <typename Enum>
+std::string quoted(Enum value) {
+  for (const auto& [candidate, name] : EnumNames<Enum>::names)
+    if (candidate == value) return fmt::format("\"{}\"", name);
+  return {};
+}
+
 bool is_hash(std::string_view text) {
   return text.size() == kHashDigits &&
          text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
@@ -189,6 +204,23 @@ ModelDescription model_description_from_toml(std::string_view text, const std::s
   if (reader.has("sha256") && !is_hash(model.sha256))
     reader.refuse_key("sha256", fmt::format("expected {} hexadecimal digits", kHashDigits));
   return model;
+}
+
+std::string to_toml(const ModelDescription& model) {
+  const NetworkInput& input = model.input;
+  const NetworkOutput& output = model.output;
+  std::string text = fmt::format(
+      "name = {}\nfile = {}\nsha256 = {}\nlicence = {}\nsource = {}\n\n[input]\nchannels = {}\n"
+      "mean = [{}, {}, {}]\nscale = {}\npadding = {}\n",
+      quoted(model.name), quoted(model.file), quoted(model.sha256), quoted(model.licence),
+      quoted(model.source), quoted(input.channels), input.mean[0], input.mean[1], input.mean[2],
+      input.scale, quoted(input.padding));
+  text += input.size.empty()
+              ? fmt::format("multiple_of = {}\nfactor = {}\n", input.multiple_of, input.factor)
+              : fmt::format("size = [{}, {}]\n", input.size.width, input.size.height);
+  text += output.name.empty() ? fmt::format("\n[output]\nindex = {}\n", output.index)
+                              : fmt::format("\n[output]\nname = {}\n", quoted(output.name));
+  return text + fmt::format("activation = {}\n", quoted(output.activation));
 }
 
 }  // namespace edvo

@@ -70,4 +70,7 @@ struct ModelDescription {
 [[nodiscard]] ModelDescription model_description_from_toml(std::string_view text,
                                                            const std::string& source);
 
+// Every key; reads back as the same description.
+[[nodiscard]] std::string to_toml(const ModelDescription& model);
+
 }  // namespace edvo

@@ -23,19 +23,24 @@ std::string read_model_file(const fs::path& path, std::size_t largest) {
 
 }  // namespace
 
-Model read_model(const fs::path& description) {
+ModelDescription read_description(const fs::path& description) {
   if (description.extension() == ".onnx")
     throw Error(ErrorCode::kModel,
                 fmt::format("{}: a network is given by its description; write a TOML file beside "
                             "it with file = \"{}\" (docs/models.md)",
                             description.string(), description.filename().string()));
-  Model model{.description = model_description_from_toml(
-                  read_model_file(description, kLargestDescription), description.string()),
-              .weights = {},
-              .source = {}};
-  const fs::path file = description.parent_path() / model.description.file;
-  model.source = file.string();
-  model.weights = read_model_file(file, kLargestFile);
+  return model_description_from_toml(read_model_file(description, kLargestDescription),
+                                     description.string());
+}
+
+Model read_model(const fs::path& description) {
+  return read_model(description, description.parent_path() / read_description(description).file);
+}
+
+Model read_model(const fs::path& description, const fs::path& onnx) {
+  Model model{.description = read_description(description),
+              .weights = read_model_file(onnx, kLargestFile),
+              .source = onnx.string()};
   const std::string& expected = model.description.sha256;
   if (expected.empty()) return model;
   if (const std::string found = sha256(model.weights); found != expected)

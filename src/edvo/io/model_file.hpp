@@ -19,4 +19,10 @@ struct Model {
 // if the weights have another SHA-256 than described.
 [[nodiscard]] Model read_model(const std::filesystem::path& description);
 
+// The same with weights that lie elsewhere than the description says.
+[[nodiscard]] Model read_model(const std::filesystem::path& description,
+                               const std::filesystem::path& onnx);
+
+[[nodiscard]] ModelDescription read_description(const std::filesystem::path& description);
+
 }  // namespace edvo

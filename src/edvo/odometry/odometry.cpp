@@ -172,12 +172,14 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   }
 }
 
-Odometry::Odometry(const DistortedCamera& camera, const Config& config)
+Odometry::Odometry(const DistortedCamera& camera, const Config& config,
+                   std::unique_ptr<EdgeDetector> detector)
     : state_(std::make_unique<State>()) {
   check(config);
   state_->config = config;
   state_->undistortion = make_undistortion(camera);
-  if (config.edge.detector == Detector::kNetwork)
+  state_->network = std::move(detector);
+  if (config.edge.detector == Detector::kNetwork && !state_->network)
     state_->network = open_network(config.network, state_->undistortion.valid.size());
 }
 

@@ -5,6 +5,7 @@
 #include "edvo/core/camera.hpp"
 #include "edvo/core/image.hpp"
 #include "edvo/core/trajectory.hpp"
+#include "edvo/edge/detector.hpp"
 #include "edvo/odometry/config.hpp"
 #include "edvo/odometry/frame_report.hpp"
 
@@ -16,8 +17,9 @@ namespace edvo {
 class Odometry {
  public:
   // Throws Error(kConfig, kCalibration, kModel) if the options, the camera or the network's model
-  // do not fit.
-  Odometry(const DistortedCamera& camera, const Config& config);
+  // do not fit. A detector given takes the place of the network that the options name.
+  Odometry(const DistortedCamera& camera, const Config& config,
+           std::unique_ptr<EdgeDetector> detector = nullptr);
   ~Odometry();
   Odometry(Odometry&&) noexcept;
   Odometry& operator=(Odometry&&) noexcept;

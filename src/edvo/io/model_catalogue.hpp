@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Public edge networks that edvo knows where to get and how to use.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace edvo {
+
+struct KnownModel {
+  std::string_view name;
+  std::span<const std::string_view> addresses;  // tried in this order
+  std::int64_t bytes = 0;
+  std::string_view sha256;
+  std::string_view licence;
+  std::string_view source;  // who made it, and from what
+  std::string_view usage;   // the sections input and output of its description, TOML
+};
+
+[[nodiscard]] std::span<const KnownModel> known_models();
+
+// Null if there is none of that name.
+[[nodiscard]] const KnownModel* find_known_model(std::string_view name);
+
+}  // namespace edvo
