@@ -23,7 +23,8 @@ MAY_TOUCH_FILES = {"io", "report"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](edvo/)?([^">]+)[">]')
 PRINTS = re.compile(r"<iostream>|<print>|\bspdlog\b|\bstd::(cout|cerr|clog)\b"
                     r"|\b(printf|fprintf|puts|putchar)\s*\(|\bfmt::print\b")
-EXITS = re.compile(r"(?<![\w.>])(?:std::)?(exit|_Exit|quick_exit|abort|getenv|setenv)\s*\(")
+EXITS = re.compile(r"(?<![\w.>])(?:std::)?(exit|_Exit|quick_exit|abort)\s*\(")
+READS_ENVIRONMENT = re.compile(r"(?<![\w.>])(?:std::)?(getenv|secure_getenv|setenv)\s*\(")
 FILES = re.compile(r"<fstream>|<cstdio>|<filesystem>|\bstd::filesystem\b|(?<![\w.>])(?:std::)?fopen\s*\(")
 
 
@@ -67,7 +68,9 @@ def problems_in(path, root):
         if layer in SILENT and PRINTS.search(line):
             yield f"{where}:{number}: '{layer}' must not print or log"
         if layer in SILENT and EXITS.search(line):
-            yield f"{where}:{number}: '{layer}' must not exit or read the environment"
+            yield f"{where}:{number}: '{layer}' must not end the program"
+        if layer not in MAY_TOUCH_FILES and READS_ENVIRONMENT.search(line):
+            yield f"{where}:{number}: '{layer}' must not read the environment (io and report may)"
         if layer not in MAY_TOUCH_FILES and FILES.search(line):
             yield f"{where}:{number}: '{layer}' must not touch the file system (io and report may)"
 

@@ -10,16 +10,6 @@ fail() {
   exit 1
 }
 
-as_root() {
-  if [[ $EUID -eq 0 ]]; then
-    "$@"
-  elif command -v sudo >/dev/null; then
-    sudo "$@"
-  else
-    fail "packages are missing and neither root nor sudo is at hand; as root, run: $*"
-  fi
-}
-
 packages_listed() {
   sed 's/#.*//' scripts/packages.txt | xargs -n1
 }
@@ -27,7 +17,7 @@ packages_listed() {
 packages_missing() {
   comm -23 <(packages_listed | sort -u) \
     <(dpkg-query -W -f='${db:Status-Abbrev} ${Package}\n' 2>/dev/null |
-      sed -n 's/^ii  *//p' | sort -u)
+      sed -n 's/^.i  *//p' | sort -u)
 }
 
 install_packages() {
@@ -38,17 +28,25 @@ install_packages() {
   mapfile -t missing < <(packages_missing)
   [[ ${#missing[@]} -gt 0 ]] || return 0
 
+  local as_root=()
+  if [[ $EUID -ne 0 ]]; then
+    command -v sudo >/dev/null ||
+      fail "packages are missing, and there is neither root nor sudo; as root, run:" \
+           "apt-get update && apt-get install ${missing[*]}"
+    as_root=(sudo)
+  fi
+
   echo "edvo: installing ${#missing[@]} packages: ${missing[*]}"
   local log
   log=$(mktemp)
-  local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300
-             -o Acquire::Retries=3)
-  # An unreachable mirror among several does no harm, so that only the installation decides.
-  if ! as_root "${apt[@]}" update >"$log" 2>&1; then true; fi
-  if ! as_root "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
-    grep -E '^(E|W):' "$log" | tail -n 5 >&2 || tail -n 5 "$log" >&2
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q
+             -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
+  # One unreachable mirror among several does no harm: only the installation decides.
+  "${apt[@]}" update >"$log" 2>&1 || true
+  if ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    grep -m3 -E '^(E|W|Err):' "$log" >&2 || tail -n 3 "$log" >&2
     rm -f "$log"
-    fail "could not install the packages above: is there a network and is this Debian 12 or later?"
+    fail "could not install these packages: is there a network, and is this Debian 12 or later?"
   fi
   rm -f "$log"
 }

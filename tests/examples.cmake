@@ -9,18 +9,33 @@ set_tests_properties(install.clean PROPERTIES FIXTURES_SETUP clean_install)
 set_tests_properties(install PROPERTIES FIXTURES_REQUIRED clean_install FIXTURES_SETUP installed)
 set_tests_properties(install.run PROPERTIES FIXTURES_REQUIRED installed)
 
-# edvo_add_example(FOLDER [NAME VALUE]... ): the rest are properties of the test that runs it.
-function(edvo_add_example folder program arguments)
+add_test(NAME install.sequence
+         COMMAND ${installed}/bin/edvo synth ${example_runs}/sequence --frames 30 --size 320x240)
+set_tests_properties(install.sequence PROPERTIES FIXTURES_REQUIRED installed
+                                                 FIXTURES_SETUP sequence)
+
+set(example_flags "${CMAKE_CXX_FLAGS}")
+if(EDVO_SANITIZE)
+  string(APPEND example_flags " -fsanitize=${EDVO_SANITIZE}")
+endif()
+
+# edvo_add_example(FOLDER PROGRAM FIXTURE ARGUMENT...): needs the fixture, and sets up FOLDER.
+function(edvo_add_example folder program fixture)
   add_test(NAME example.${folder}
            COMMAND ${CMAKE_CTEST_COMMAND}
              --build-and-test ${PROJECT_SOURCE_DIR}/examples/${folder}
                               ${CMAKE_BINARY_DIR}/examples/${folder}
              --build-generator ${CMAKE_GENERATOR}
              --build-options -DCMAKE_PREFIX_PATH=${installed} -DCMAKE_BUILD_TYPE=Release
-                             -DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}
+                             -DCMAKE_CXX_FLAGS=${example_flags}
                              -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
-             --test-command ${program} ${arguments})
-  set_tests_properties(example.${folder} PROPERTIES FIXTURES_REQUIRED installed)
+             --test-command ${program} ${ARGN})
+  set_tests_properties(example.${folder} PROPERTIES FIXTURES_REQUIRED ${fixture}
+                                                    FIXTURES_SETUP ${folder})
 endfunction()
 
-edvo_add_example(02_own_camera own_camera "")
+edvo_add_example(01_track_folder track_folder sequence
+                 ${example_runs}/sequence ${example_runs}/trajectory.tum)
+edvo_add_example(02_own_camera own_camera installed)
+edvo_add_example(03_evaluate evaluate 01_track_folder
+                 ${example_runs}/sequence/groundtruth.txt ${example_runs}/trajectory.tum)

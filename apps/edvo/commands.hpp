@@ -13,6 +13,7 @@ void add_eval_command(CLI::App& program);
 void add_demo_command(CLI::App& program);
 void add_synth_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
+void add_edges_command(CLI::App& program);
 void add_config_command(CLI::App& program);
 
 }  // namespace edvo::app

@@ -4,6 +4,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/io/output_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
+#include "enum_option.hpp"
 #include "eval_plots.hpp"
 #include "eval_tables.hpp"
 
@@ -29,18 +30,10 @@ struct Arguments {
   bool json = false;
 };
 
-template <typename Enum>
-std::vector<std::string> names_of() {
-  std::vector<std::string> names;
-  for (const auto& [value, name] : EnumNames<Enum>::names) names.emplace_back(name);
-  return names;
-}
-
 // The command line has checked that the name is one of names_of().
 template <typename Enum>
 Enum named(std::string_view wanted) {
-  for (const auto& [value, name] : EnumNames<Enum>::names)
-    if (name == wanted) return value;
+  if (const std::optional<Enum> value = find_named<Enum>(wanted)) return *value;
   throw Error(ErrorCode::kInternal, fmt::format("no value is named {}", wanted));
 }
 

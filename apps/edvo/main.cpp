@@ -5,6 +5,8 @@
 
 #include <fmt/core.h>
 
+#include <opencv2/core/utils/logger.hpp>
+
 namespace {
 
 using namespace edvo::app;
@@ -12,10 +14,8 @@ using namespace edvo::app;
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
 const std::vector<void (*)(CLI::App&)> kVerbs = {
-    add_run_command,
-    add_synth_command,
-    add_eval_command,
-    add_config_command,
+    add_run_command,   add_demo_command,  add_synth_command,  add_eval_command,
+    add_bench_command, add_edges_command, add_config_command,
 };
 
 int fail(edvo::ErrorCode code, const std::string& message) {
@@ -27,6 +27,8 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): printing the message of an error may fail, too
 int main(int argc, char** argv) {
+  // What OpenCV has to say about a network arrives as an error of ours.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
   program.require_subcommand(1);
   for (const auto add : kVerbs) add(program);

@@ -37,10 +37,20 @@ std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame&
   }
 }
 
+void skip(const SkippedFrame& frame, Recorder& recorder, Progress& progress) {
+  constexpr std::size_t kMostWarnings = 10;  // a folder half empty must not flood the terminal
+  recorder.append(frame);
+  const std::size_t count = recorder.log().skipped.size();
+  if (count <= kMostWarnings)
+    progress.say(fmt::format("warning: frame {} skipped: {}", frame.index, frame.reason));
+  if (count == kMostWarnings)
+    progress.say("warning: should more be skipped, frames.jsonl will name them");
+  progress.frame_skipped();
+}
+
 // True if a signal ended it early.
 bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
                Progress& progress) {
-  const StopSignal signal;
   while (const std::optional<FetchedFrame> frame = frames.next()) {
     const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
     std::variant<FrameReport, Error> result = process(odometry, *frame);
@@ -51,11 +61,10 @@ bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Re
     } else {
       const Error& error = std::get<Error>(result);
       if (error.code() != ErrorCode::kInput) throw Error(error);
-      recorder.append(SkippedFrame{.index = index,
-                                   .stamp = to_string(input.stamp_of(frame->index)),
-                                   .reason = error.what()});
-      progress.say(fmt::format("warning: frame {} skipped: {}", index, error.what()));
-      progress.frame_skipped();
+      skip({.index = index,
+            .stamp = to_string(input.stamp_of(frame->index)),
+            .reason = error.what()},
+           recorder, progress);
     }
     if (stop_requested()) return true;
   }
@@ -101,6 +110,7 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
   Recorder recorder(make_run_folder(options, description.sequence), description);
   Progress progress(description.frames, options.quiet);
 
+  const StopSignal signal;  // also while the results are written
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
   Prefetch frames(input.read, input.count, {.threads = options.threads});

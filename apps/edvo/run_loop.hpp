@@ -36,6 +36,9 @@ struct RunResult {
                                    const Config& config, const std::optional<GroundTruth>& truth,
                                    const RunOptions& options);
 
+// What was picked and why, and what looks wrong, on stderr; with --quiet only the latter.
+void show_choices(const RunDescription& run, const RunOptions& options);
+
 // The result on stdout: a table, or with --json the summary as one object. Then leaves with the
 // status of an interrupted program if it was.
 void show_result(const RunResult& result, const RunOptions& options);

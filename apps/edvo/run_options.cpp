@@ -22,8 +22,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
 }
 
 std::string method_name(const RunOptions& options) {
-  return options.config.method.empty() ? std::string(name_of(kDefaultMethod))
-                                       : options.config.method;
+  return std::string(name_of(chosen_method(options.config)));
 }
 
 }  // namespace edvo::app

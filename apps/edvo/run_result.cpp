@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user is shown of a run's result.
+// What the user is shown before a run and after it.
 #include "run_loop.hpp"
 #include "stop_signal.hpp"
 
@@ -68,6 +68,16 @@ void print_profile(const RunSummary& summary) {
 }
 
 }  // namespace
+
+void show_choices(const RunDescription& run, const RunOptions& options) {
+  if (!options.quiet) {
+    fmt::print(stderr, "sequence  {}, {} frames\n", run.source, run.frames);
+    fmt::print(stderr, "camera    {}\n", run.camera_origin);
+    fmt::print(stderr, "method    {}\n", run.method);
+    for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
+  }
+  for (const std::string& warning : run.warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
 
 void show_result(const RunResult& result, const RunOptions& options) {
   const RunSummary& summary = result.summary;

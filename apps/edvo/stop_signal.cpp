@@ -16,15 +16,15 @@ void request_stop(int signal) {
 
 }  // namespace
 
-StopSignal::StopSignal() {
+StopSignal::StopSignal()
+    : before_interrupt_(std::signal(SIGINT, request_stop)),
+      before_terminate_(std::signal(SIGTERM, request_stop)) {
   stop = 0;
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
 }
 
 StopSignal::~StopSignal() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGINT, before_interrupt_);
+  std::signal(SIGTERM, before_terminate_);
 }
 
 bool stop_requested() {

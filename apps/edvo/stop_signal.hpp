@@ -4,7 +4,7 @@
 
 namespace edvo::app {
 
-// While one of these lives, the first such signal only makes stop_requested() true; the next one
+// While it lives, the first such signal only makes stop_requested() true; the next one
 // ends the program as usual.
 class StopSignal {
  public:
@@ -12,6 +12,10 @@ class StopSignal {
   ~StopSignal();
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
+
+ private:
+  using Handler = void (*)(int);
+  Handler before_interrupt_, before_terminate_;
 };
 
 [[nodiscard]] bool stop_requested();

@@ -38,7 +38,7 @@ TEST(Evaluate, FindsNoErrorInTheTruth) {
 
 TEST(Evaluate, DoesNotSeeWhereTheWorldIsUnlessToldNotToAlign) {
   const Trajectory path = winding_path(60);
-  const Trajectory elsewhere = test::moved({.rotation = {}, .translation = {0, 0, 2}}, path);
+  const Trajectory elsewhere = test::moved({.translation = {0, 0, 2}}, path);
   EvalOptions options;
   EXPECT_LT(evaluate(path, elsewhere).ate.distance.max, 1e-12);
   options.alignment = AlignmentKind::kNone;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <regex>
@@ -86,6 +87,60 @@ TEST(Plot, GivesMapsOneScale) {
   const double width = std::stod(match[3]) - std::stod(match[1]);
   const double height = std::stod(match[4]) - std::stod(match[6]);
   EXPECT_NEAR(width, height, 0.2);
+}
+
+// The points of the n-th line or area.
+std::vector<std::pair<double, double>> points_of(const std::string& svg, int n) {
+  std::size_t end = 0;
+  for (int i = 0; i <= n; ++i) end = svg.find("\" class=\"series\"", end + 1);
+  const std::size_t start = svg.rfind("d=\"", end) + 3;
+  const std::string path = svg.substr(start, end - start);
+  const std::regex point("[ML]([-0-9.]+) ([-0-9.]+)");
+  std::vector<std::pair<double, double>> points;
+  for (std::sregex_iterator i(path.begin(), path.end(), point), none; i != none; ++i)
+    points.emplace_back(std::stod((*i)[1]), std::stod((*i)[2]));
+  return points;
+}
+
+TEST(Plot, PilesAreasUpWithTheHighestBehind) {
+  Plot plot{.series = {{.name = "low", .x = {0, 1}, .y = {1, 1}},
+                       {.name = "high", .x = {0, 1}, .y = {2, std::nan("")}}},
+            .stacked = true,
+            .y_limits = Limits{0, 4}};
+  const std::string svg = to_svg(plot);
+  EXPECT_LT(svg.find("<title>high</title>"), svg.find("<title>low</title>"));
+  const auto high = points_of(svg, 0), low = points_of(svg, 1);
+  const double bottom = low[0].second + (low[0].second - high[0].second) / 2;
+  EXPECT_NEAR(bottom - high[0].second, 3 * (bottom - low[0].second), 0.2);
+  EXPECT_NEAR(high[1].second, low[1].second, 0.2);  // what is missing adds nothing
+}
+
+TEST(Plot, StaysSmallForLongNoise) {
+  Plot plot = two_lines();
+  plot.series.resize(1);
+  plot.series[0].x.clear();
+  plot.series[0].y.clear();
+  for (int i = 0; i < 100000; ++i) {
+    plot.series[0].x.push_back(i);
+    plot.series[0].y.push_back(i * 7919 % 1000);
+  }
+  plot.series[0].y[54321] = 5000;
+  const std::string svg = to_svg(plot);
+  EXPECT_LT(svg.size(), 60'000u);
+  const auto points = points_of(svg, 0);
+  const auto highest = std::min_element(points.begin(), points.end(),
+                                        [](auto a, auto b) { return a.second < b.second; });
+  EXPECT_LT(highest->second, points[0].second - 150) << "a single peak must not be lost";
+}
+
+TEST(Plot, ShadesSpansAndTicksMarksInsideItsLimits) {
+  Plot plot = two_lines();
+  plot.x_limits = Limits{0, 2};
+  plot.bands = {{.low = 1, .high = 9}};
+  plot.marks = {0.5, 1.5};
+  const std::string svg = to_svg(plot);
+  EXPECT_EQ(count(svg, "fill-opacity=\".22\""), 1);
+  EXPECT_EQ(count(svg, "v-9"), 2);
 }
 
 }  // namespace

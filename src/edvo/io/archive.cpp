@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
@@ -201,27 +200,20 @@ std::string cache_key(const fs::path& archive) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(archive, error);
   if (error) fail_input(archive, error.message());
-  const auto changed = fs::last_write_time(archive, error).time_since_epoch().count();
+  const auto changed =
+      static_cast<std::uint64_t>(fs::last_write_time(archive, error).time_since_epoch().count());
   if (error) fail_input(archive, error.message());
   return fmt::format("{}-{:x}-{:x}", archive.filename().string(), size, changed);
 }
 
 }  // namespace
 
-fs::path default_cache() {
-  const auto folder_in = [](const char* variable) {
-    const char* const value = std::getenv(variable);
-    const fs::path folder(value == nullptr ? "" : value);
-    return folder.is_absolute() ? folder : fs::path();
-  };
-  if (const fs::path cache = folder_in("XDG_CACHE_HOME"); !cache.empty()) return cache / "edvo";
-  if (const fs::path home = folder_in("HOME"); !home.empty()) return home / ".cache" / "edvo";
-  throw Error(ErrorCode::kOutput,
-              "nowhere to unpack the archive: neither XDG_CACHE_HOME nor HOME is set");
-}
-
 fs::path unpack_archive(const fs::path& archive, const fs::path& cache,
                         const std::function<void(double)>& on_progress) {
+  if (cache.empty())
+    throw Error(ErrorCode::kOutput, fmt::format("{}: no folder is known to unpack it in; set "
+                                                "XDG_CACHE_HOME or HOME",
+                                                archive.string()));
   const std::string key = cache_key(archive);
   const fs::path target = cache / key;
   std::error_code error;

@@ -7,9 +7,6 @@
 
 namespace edvo {
 
-// $XDG_CACHE_HOME/edvo or ~/.cache/edvo. Throws Error(kOutput) if neither is known.
-[[nodiscard]] std::filesystem::path default_cache();
-
 // A tar or zip archive, plain or compressed (gzip, bzip2, xz, zstd), as a folder in the cache. It
 // is unpacked the first time only; the folder's name has the archive's name, size and time of
 // change. Throws Error(kInput) if it is no archive, damaged, or has links or paths that lead out of

@@ -31,13 +31,13 @@ ChosenCamera choose_camera(const Dataset& dataset,
                            const std::optional<std::filesystem::path>& calibration) {
   if (calibration)
     return {.camera = read_camera(*calibration, dataset.image_size),
-            .source = fmt::format("camera from {}, as given", calibration->string())};
+            .source = fmt::format("{}, as given", calibration->string())};
   for (const char* const name : kCameraFiles) {
     const std::filesystem::path file = dataset.root / name;
     std::error_code ignored;
     if (std::filesystem::is_regular_file(file, ignored))
       return {.camera = read_camera(file, dataset.image_size),
-              .source = fmt::format("camera from {}, which is in the folder", file.string())};
+              .source = fmt::format("{}, which is in the folder", file.string())};
   }
   const std::optional<CameraPreset> preset = camera_preset(dataset);
   if (!preset)
@@ -51,7 +51,7 @@ ChosenCamera choose_camera(const Dataset& dataset,
                              preset->name, preset->recognised, pinhole.width, pinhole.height,
                              dataset.image_size.width, dataset.image_size.height));
   return {.camera = preset->camera,
-          .source = fmt::format("camera of {}, {}", preset->name, preset->recognised)};
+          .source = fmt::format("{}, {}", preset->name, preset->recognised)};
 }
 
 }  // namespace edvo

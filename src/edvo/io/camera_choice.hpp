@@ -13,7 +13,7 @@ namespace edvo {
 
 struct ChosenCamera {
   DistortedCamera camera;
-  std::string source;  // what was picked and why, one sentence without its full stop
+  std::string source;  // what was picked and why: "TUM freiburg1, 'fr1' in the name fr1_xyz"
 };
 
 // The calibration file if one is given; else one in the dataset's folder (camera.toml,

@@ -186,8 +186,7 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
   dataset.source = source;
   fs::path folder = source;
   if (is_archive) {
-    const fs::path cache = options.cache.empty() ? default_cache() : options.cache;
-    folder = unpack_archive(source, cache, options.on_unpack);
+    folder = unpack_archive(source, options.cache, options.on_unpack);
     dataset.notes.push_back(fmt::format("unpacked in {}", folder.string()));
   }
   auto [root, listing] = find_sequence(folder, options);

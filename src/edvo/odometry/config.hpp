@@ -5,6 +5,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/edge/canny.hpp"
 #include "edvo/edge/corners.hpp"
+#include "edvo/edge/network.hpp"
 #include "edvo/track/tracker.hpp"
 #include "edvo/track/window.hpp"
 
@@ -62,6 +63,7 @@ struct KeyframeOptions {
   double rotation = 0.15;    // [rad]
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
+  int patience = 10;         // frames
 };
 
 template <typename Self, typename Visitor>
@@ -74,12 +76,15 @@ void visit_fields(Self& self, Visitor&& visit) {
         "motion amplitude Omega, rotation part, at which one is due [rad]");
   visit("overlap", self.overlap, Range{0, 1}, "share of points in view below which one is due");
   visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
+  visit("patience", self.patience, Range{0, 1e6},
+        "lost frames in a row after which tracking starts again from the last pose");
 }
 
 struct Config {
   FrameOptions frame;
   EdgeOptions edge;
   CannyOptions canny;
+  NetworkOptions network;
   CornerOptions corners;
   SelectOptions selection;
   TrackOptions tracking;
@@ -93,6 +98,7 @@ void visit_groups(Self& self, Visitor&& visit) {
   visit("frame", self.frame, "what is computed from each image");
   visit("edge", self.edge, "where edges come from");
   visit("canny", self.canny, "Canny edges");
+  visit("network", self.network, "edges by a network (section III-A)");
   visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");

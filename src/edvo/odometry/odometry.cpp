@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/odometry.hpp"
 
-#include <chrono>
+#include "edvo/core/error.hpp"
+#include "edvo/odometry/local_map.hpp"
 #include "edvo/track/selection.hpp"
+#include "edvo/track/surface.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
 
 namespace edvo {
 namespace {
 
-struct Keyframe {
-  Stamp stamp;
-  SE3 world_from_key;
-  Reference reference;
-};
-
+// The pose of a frame hangs on its keyframe's.
 struct FrameLink {
   Stamp stamp;
   std::size_t keyframe = 0;
@@ -21,6 +22,7 @@ struct FrameLink {
 
 class Stopwatch {
  public:
+  // Time since the last lap, [ms].
   double lap() {
     const auto now = std::chrono::steady_clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
@@ -32,164 +34,184 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames_since_keyframe,
+                                           const KeyframeOptions& options) {
+  if (options.period > 0 && frames_since_keyframe >= options.period) return KeyframeReason::kPeriod;
+  const SE3& motion = result.alignment.cur_from_ref;
+  if (motion.translation.norm() > options.translation || rotation_angle(motion) > options.rotation)
+    return KeyframeReason::kMotion;
+  if (result.overlap < options.overlap) return KeyframeReason::kOverlap;
+  if (result.inlier_ratio < options.inliers) return KeyframeReason::kInliers;
+  return std::nullopt;
+}
+
 }  // namespace
 
 struct Odometry::State {
   Config config;
   Undistortion undistortion;
-  std::vector<Keyframe> keyframes;
-  std::vector<WindowKeyframe> window;
-  std::vector<FrameLink> frames;
-  Alignment last;  // of the last frame to the current keyframe
-  SE3 motion;      // previous camera from last camera
-  int frames_since_keyframe = 0;
-  std::int64_t index = 0;
+  std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
+  LocalMap map;                           // keyframes and their joint refinement
+  Reference reference;                    // of the last keyframe
+  Alignment alignment;                    // of the last tracked frame to the last keyframe
+  SE3 last_from_cur;                      // motion of the last two tracked frames
+  std::vector<FrameLink> frames;          // tracked frames
+  std::optional<Stamp> newest;            // of all images
+  std::int64_t images = 0;
+  int since_keyframe = 0;  // frames
+  int lost_in_a_row = 0;   // frames
 
-  cv::Mat_<std::uint8_t> candidate_mask(const Frame& frame) const {
-    if (config.edge.detector == Detector::kNone)
-      return cv::Mat_<std::uint8_t>(frame.depth.size(), std::uint8_t{255});
-    cv::Mat_<std::uint8_t> mask = canny_edges(frame.levels[0].gray, config.canny);
-    if (config.corners.enabled) {
-      cv::Mat_<float> strength;
-      mask.convertTo(strength, CV_32F, 1.0 / 255);
-      mask |= draw_discs(mask.size(), optimize_corners(strength, config.corners),
-                         config.corners.disc_radius);
-    }
-    return mask;
-  }
-
-  void add_keyframe(const Frame& frame, const SE3& world_from_camera, StageTimes& times) {
-    Stopwatch watch;
-    const cv::Mat_<std::uint8_t> mask = candidate_mask(frame);
-    times.edges = watch.lap();
-    const auto pixels = select_pixels(frame, mask, undistortion.valid, config.selection);
-    keyframes.push_back(
-        {frame.stamp, world_from_camera, make_reference(frame, pixels, config.tracking.softness)});
-    times.selection = watch.lap();
-    if (config.window.keyframes > 0) {
-      SelectOptions fewer = config.selection;
-      fewer.max_points = config.window.points;
-      window.push_back(make_window_keyframe(frame, world_from_camera,
-                                            select_pixels(frame, mask, undistortion.valid, fewer),
-                                            config.window));
-      refine();
-    }
-    times.window = watch.lap();
-    last = {};
-    frames_since_keyframe = 0;
-    frames.back().keyframe = keyframes.size() - 1;
-    frames.back().key_from_camera = {};
-  }
-
-  void refine() {
-    const std::size_t count = window.size();
-    const std::size_t recent = std::min(count, static_cast<std::size_t>(config.window.keyframes));
-    std::vector<std::pair<double, std::size_t>> candidates;
-    const std::size_t oldest = count - recent;
-    for (std::size_t k = oldest > static_cast<std::size_t>(config.window.memory)
-                             ? oldest - static_cast<std::size_t>(config.window.memory)
-                             : 0;
-         k < oldest; ++k) {
-      window[k].image.release();
-      const double view = shared_view(window.back(), window[k], undistortion.camera);
-      if (view > 0.3) candidates.push_back({-view, k});
-    }
-    std::sort(candidates.begin(), candidates.end());
-    candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(config.window.anchors)));
-    std::vector<std::size_t> members;
-    for (const auto& c : candidates) members.push_back(c.second);
-    std::sort(members.begin(), members.end());
-    const int fixed = std::max<int>(1, static_cast<int>(members.size()));
-    for (std::size_t k = oldest; k < count; ++k) members.push_back(k);
-    std::vector<WindowKeyframe> active;
-    for (const std::size_t m : members) active.push_back(std::move(window[m]));
-    refine_window(active, undistortion.camera, fixed, config.window);
-    for (std::size_t a = 0; a < members.size(); ++a) {
-      window[members[a]] = std::move(active[a]);
-      keyframes[members[a]].world_from_key = window[members[a]].world_from_key;
-    }
-  }
-
-  std::optional<KeyframeReason> due(const TrackResult& r) const {
-    const KeyframeOptions& o = config.keyframes;
-    if (o.period > 0 && frames_since_keyframe >= o.period) return KeyframeReason::kPeriod;
-    const SE3& pose = r.alignment.cur_from_ref;
-    if (pose.translation.norm() > o.translation || rotation_angle(pose) > o.rotation)
-      return KeyframeReason::kMotion;
-    if (r.overlap < o.overlap) return KeyframeReason::kOverlap;
-    if (r.inlier_ratio < o.inliers) return KeyframeReason::kInliers;
-    return std::nullopt;
-  }
+  void check_input(const RgbdImage& image) const;
+  TrackResult align(const Frame& frame) const;
+  bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
+  void follow(const Frame& frame, FrameReport& report);
+  void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
+             FrameReport& report);
 };
+
+void Odometry::State::check_input(const RgbdImage& image) const {
+  const Camera& camera = undistortion.camera;
+  const auto fits = [&](const cv::Mat& m) {
+    return m.cols == camera.width && m.rows == camera.height;
+  };
+  if (!fits(image.bgr) || !fits(image.depth))
+    throw Error(ErrorCode::kInput, "image " + to_string(image.stamp) + ": colour is " +
+                                       size_text(image.bgr.cols, image.bgr.rows) + ", depth " +
+                                       size_text(image.depth.cols, image.depth.rows) +
+                                       ", but the camera is " +
+                                       size_text(camera.width, camera.height));
+  if (newest && image.stamp <= *newest)
+    throw Error(ErrorCode::kInput, "image " + to_string(image.stamp) +
+                                       ": not later than the one before, " + to_string(*newest));
+}
+
+// From the better of two guesses, the motion going on or standing still; from the other if that
+// fails.
+TrackResult Odometry::State::align(const Frame& frame) const {
+  const Alignment still = alignment;
+  Alignment moving = alignment;
+  moving.cur_from_ref = inverse(last_from_cur) * alignment.cur_from_ref;
+  const bool start_moving = coarse_cost(reference, frame, moving, config.tracking) <=
+                            coarse_cost(reference, frame, still, config.tracking);
+  const TrackResult first = track(reference, frame, start_moving ? moving : still, config.tracking);
+  if (first.status == TrackStatus::kTracked) return first;
+  return track(reference, frame, start_moving ? still : moving, config.tracking);
+}
+
+// Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
+bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_camera,
+                                   FrameReport& report) {
+  Stopwatch watch;
+  const cv::Mat_<std::uint8_t> edges = edge_mask(frame, undistortion, network.get(), config);
+  report.milliseconds.edges = watch.lap();
+  const cv::Mat_<std::uint8_t> candidates = with_corner_discs(edges, config.corners);
+  report.milliseconds.corners = watch.lap();
+  const std::vector<SelectedPixel> pixels =
+      select_pixels(frame, candidates, undistortion.valid, config.selection);
+  if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
+  reference = make_reference(frame, pixels, config.tracking.softness);
+  if (config.tracking.geometric > 0)
+    reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
+                                     config.tracking.depth_noise);
+  report.milliseconds.selection = watch.lap();
+  map.add(frame, world_from_camera, alignment, pixels, config);
+  report.milliseconds.window = watch.lap();
+  report.world_from_camera = map.keyframes().back().world_from_camera;
+  alignment = {};
+  since_keyframe = 0;
+  return true;
+}
+
+// The first frame, or the first after tracking was given up.
+void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
+                            FrameReport& report) {
+  alignment = {};
+  last_from_cur = {};
+  report.world_from_camera = world_from_camera;
+  if (!add_keyframe(frame, world_from_camera, report)) return;
+  report.status = reason == KeyframeReason::kFirst ? FrameStatus::kFirst : FrameStatus::kTracked;
+  report.keyframe = reason;
+  lost_in_a_row = 0;
+  frames.push_back({frame.stamp, map.keyframes().size() - 1, SE3{}});
+}
+
+void Odometry::State::follow(const Frame& frame, FrameReport& report) {
+  Stopwatch watch;
+  const TrackResult result = align(frame);
+  report.milliseconds.tracking = watch.lap();
+  report.levels = result.levels;
+  report.overlap = result.overlap;
+  report.inlier_ratio = result.inlier_ratio;
+  report.rms = result.sigma;
+  report.points = result.levels.back().points;
+  const SE3 world_from_key = map.keyframes().back().world_from_camera;
+  if (result.status == TrackStatus::kLost) {
+    report.world_from_camera = world_from_key * inverse(alignment.cur_from_ref);
+    last_from_cur = {};
+    if (++lost_in_a_row > config.keyframes.patience)
+      start(frame, report.world_from_camera, KeyframeReason::kLost, report);
+    return;
+  }
+  const SE3 key_from_camera = inverse(result.alignment.cur_from_ref);
+  last_from_cur = alignment.cur_from_ref * key_from_camera;
+  alignment = result.alignment;
+  lost_in_a_row = 0;
+  ++since_keyframe;
+  report.status = FrameStatus::kTracked;
+  report.information = result.information;
+  report.world_from_camera = world_from_key * key_from_camera;
+  frames.push_back({frame.stamp, map.keyframes().size() - 1, key_from_camera});
+  const auto due = keyframe_due(result, since_keyframe, config.keyframes);
+  if (due && add_keyframe(frame, report.world_from_camera, report)) {
+    report.keyframe = due;
+    frames.back() = {frame.stamp, map.keyframes().size() - 1, SE3{}};
+  }
+}
 
 Odometry::Odometry(const DistortedCamera& camera, const Config& config)
     : state_(std::make_unique<State>()) {
+  check(config);
   state_->config = config;
   state_->undistortion = make_undistortion(camera);
+  if (config.edge.detector == Detector::kNetwork)
+    state_->network = open_network(config.network, state_->undistortion.valid.size());
 }
+
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&&) noexcept = default;
 
 FrameReport Odometry::process(const RgbdImage& image) {
   State& s = *state_;
+  s.check_input(image);
+  s.newest = image.stamp;
   Stopwatch total, watch;
-  FrameReport report{.index = s.index++, .stamp = image.stamp};
+  FrameReport report{.index = s.images++, .stamp = image.stamp};
   const Frame frame = make_frame(image, s.undistortion, s.config.frame);
   report.milliseconds.frame = watch.lap();
-  if (s.keyframes.empty()) {
-    s.frames.push_back({image.stamp});
-    s.add_keyframe(frame, SE3{}, report.milliseconds);
-    report.status = FrameStatus::kFirst;
-    report.keyframe = KeyframeReason::kFirst;
-    report.milliseconds.total = total.lap();
-    return report;
-  }
-  const Keyframe& key = s.keyframes.back();
-  Alignment predicted = s.last;
-  predicted.cur_from_ref = inverse(s.motion) * s.last.cur_from_ref;
-  if (coarse_cost(key.reference, frame, s.last, s.config.tracking) <
-      coarse_cost(key.reference, frame, predicted, s.config.tracking))
-    predicted = s.last;
-  const TrackResult result = track(key.reference, frame, predicted, s.config.tracking);
-  report.milliseconds.tracking = watch.lap();
-  report.levels = result.levels;
-  report.overlap = result.overlap;
-  report.inlier_ratio = result.inlier_ratio;
-  report.rms = result.sigma;
-  report.information = result.information;
-  report.points = result.levels.back().points;
-  ++s.frames_since_keyframe;
-  const SE3 key_from_camera = inverse(result.alignment.cur_from_ref);
-  s.motion = s.last.cur_from_ref * key_from_camera;
-  report.world_from_camera = key.world_from_key * key_from_camera;
-  report.status = FrameStatus::kTracked;
-  s.frames.push_back({image.stamp, s.keyframes.size() - 1, key_from_camera});
-  s.last = result.alignment;
-  if (result.status == TrackStatus::kLost) {
-    report.status = FrameStatus::kLost;
-    s.motion = {};
-  }
-  if (const auto reason = s.due(result)) {
-    report.keyframe = reason;
-    s.add_keyframe(frame, report.world_from_camera, report.milliseconds);
-  }
+  if (s.map.keyframes().empty())
+    s.start(frame, SE3{}, KeyframeReason::kFirst, report);
+  else
+    s.follow(frame, report);
   report.milliseconds.total = total.lap();
   return report;
 }
 
 Trajectory Odometry::trajectory() const {
   Trajectory all;
+  all.reserve(state_->frames.size());
   for (const FrameLink& link : state_->frames)
-    all.push_back(
-        {link.stamp, state_->keyframes[link.keyframe].world_from_key * link.key_from_camera});
+    all.push_back({link.stamp, state_->map.keyframes()[link.keyframe].world_from_camera *
+                                   link.key_from_camera});
   return all;
 }
 
 Trajectory Odometry::keyframes() const {
-  Trajectory all;
-  for (const Keyframe& key : state_->keyframes) all.push_back({key.stamp, key.world_from_key});
-  return all;
+  return state_->map.keyframes();
 }
 
 }  // namespace edvo

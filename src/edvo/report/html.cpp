@@ -143,10 +143,10 @@ std::string header_of(const RunSummary& summary) {
       "<g fill=\"#0072b2\" stroke=\"none\"><circle cx=\"17\" cy=\"12\" r=\"4\"/>"
       "<circle cx=\"29\" cy=\"20\" r=\"4\"/></g></svg>\n"
       "<div><h1>{}<span class=\"badge\">{}</span>{}</h1><p class=\"soft\">RGB-D visual odometry, "
-      "edvo {}</p></div></header>\n",
+      "edvo {} · {}</p></div></header>\n",
       escape_markup(summary.run.sequence), escape_markup(summary.run.method),
       summary.interrupted ? "<span class=\"badge bad\">interrupted</span>" : "",
-      escape_markup(summary.machine.edvo));
+      escape_markup(summary.machine.edvo), escape_markup(summary.run.started));
 }
 
 std::string keyframes_card(const RunLog& log) {

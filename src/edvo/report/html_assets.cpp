@@ -74,6 +74,12 @@ a { color: var(--accent); }
   border: 1px solid var(--line); border-radius: 8px; padding: 7px 11px; font-size: 12.5px;
   line-height: 1.45; box-shadow: 0 4px 18px #0004; font-variant-numeric: tabular-nums;
   white-space: pre; }
+@media (max-width: 600px) {
+  main { padding: 18px 12px 40px; }
+  .tiles { grid-template-columns: 1fr 1fr; gap: 8px; }
+  .tile { padding: 10px 12px; }
+  .tile .value { font-size: 23px; }
+}
 @media print { body { background: none; } .card, .tile { break-inside: avoid; } }
 )css";
 

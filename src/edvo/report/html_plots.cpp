@@ -19,12 +19,12 @@ constexpr double kPlotWidth = 580;   // [px]
 constexpr double kPlotHeight = 290;  // [px]
 constexpr double kMapHeight = 430;   // [px]
 constexpr std::size_t kMostRoutePoints = 1500;
-constexpr std::size_t kMostBars = 500;  // columns of the plot of times
+constexpr std::size_t kMostBars = 1000;  // columns of the plot of times
 
 constexpr const char* kTruthColor = "#8c8c8c";
 constexpr const char* kFinalColor = "#0072b2";
 constexpr const char* kOnlineColor = "#e69f00";
-constexpr const char* kRotationColor = "#d55e00";
+constexpr const char* kKeyframeColor = "#d55e00";
 
 // What all plots over time share.
 struct Timeline {
@@ -127,7 +127,7 @@ Figure map_figure(const View& view, const RunSummary& summary, const RunOutcome&
     add(line_of(summary.evaluation->truth, view, timeline, false), "ground truth", kTruthColor,
         2.2);
   add(line_of(outcome.trajectory, view, timeline, true), "estimate", kFinalColor, 1.6);
-  add(dots_of(outcome.keyframes, view), "keyframes", kRotationColor, 4);
+  add(dots_of(outcome.keyframes, view), "keyframes", kKeyframeColor, 4);
   return {.title = view.title,
           .caption = "In the frame of the first camera.",
           .attributes = fmt::format("data-kind=\"map\" data-right=\"{}\" data-up=\"{}\" "
@@ -208,7 +208,8 @@ Figure quality_figure(const RunLog& log, const Timeline& timeline) {
   plot.y_limits = Limits{0, 1.03};
   plot.marks = timeline.keyframes;
   return {.title = "Tracking quality",
-          .caption = "Ticks below: keyframes. Red: lost.",
+          .caption = timeline.lost.empty() ? "Ticks below: keyframes."
+                                           : "Ticks below: keyframes. Red: tracking was lost.",
           .attributes = "data-kind=\"time\"",
           .plot = std::move(plot)};
 }

@@ -367,8 +367,9 @@ std::string to_svg(const Plot& given) {
       "height=\"{1}\" style=\"max-width:100%;height:auto\" role=\"img\" aria-label=\"{2}\" "
       "font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"{3}\" "
       "data-area=\"{4} {5} {6} {7} {8:.9g} {9:.9g} {10:.9g} {11:.9g}\">\n",
-      plot.width, height, escape_markup(plot.title), kTextColor, canvas.left, canvas.top,
-      canvas.width, canvas.height, canvas.x.low, canvas.x.high, canvas.y.low, canvas.y.high);
+      plot.width, height, escape_markup(plot.title.empty() ? plot.y_label : plot.title), kTextColor,
+      canvas.left, canvas.top, canvas.width, canvas.height, canvas.x.low, canvas.x.high,
+      canvas.y.low, canvas.y.high);
   if (!plot.title.empty())
     svg += fmt::format("<text x=\"{}\" y=\"22\" font-size=\"15\" font-weight=\"600\">{}</text>\n",
                        kLeft, escape_markup(plot.title));

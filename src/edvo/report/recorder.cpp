@@ -4,6 +4,9 @@
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/html.hpp"
 
+#include <fmt/chrono.h>
+
+#include <ctime>
 #include <utility>
 
 namespace edvo {
@@ -13,6 +16,7 @@ Recorder::Recorder(std::filesystem::path folder, RunDescription run)
       run_(std::move(run)),
       frames_(folder_ / "frames.jsonl"),
       trajectory_(folder_ / "trajectory.tum") {
+  run_.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   write_whole(folder_ / "config.toml", run_.config);
 }
 

@@ -24,18 +24,6 @@ void create_folders(const fs::path& folder) {
                             folder.string(), error.message()));
 }
 
-// A name for a folder: letters, digits and . _ - stay, everything else becomes '_'.
-std::string folder_name(const std::string& sequence) {
-  std::string name;
-  for (const char c : sequence) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' ||
-                       c == '-' || c == '+';
-    name += plain ? c : '_';
-  }
-  if (name.empty() || name.find_first_not_of('.') == std::string::npos) name = "sequence";
-  return name;
-}
-
 // A convenience: a folder that cannot hold links (or something of the user's named "latest") is no
 // reason to stop a run.
 void point_latest_at(const fs::path& folder) {
@@ -50,6 +38,17 @@ void point_latest_at(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string folder_name(const std::string& name) {
+  std::string folder;
+  for (const char c : name) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' ||
+                       c == '-' || c == '+';
+    folder += plain ? c : '_';
+  }
+  if (folder.empty() || folder.find_first_not_of('.') == std::string::npos) folder = "sequence";
+  return folder;
+}
 
 fs::path make_stamped_run_folder(const fs::path& runs, const std::string& sequence) {
   const fs::path parent = runs / folder_name(sequence);

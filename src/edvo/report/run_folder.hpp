@@ -13,6 +13,9 @@ inline constexpr const char* kRunFiles[] = {
     "summary.json", "config.toml",    "report.html",
 };
 
+// The name as that of a folder: letters, digits and . _ - + stay, everything else becomes '_'.
+[[nodiscard]] std::string folder_name(const std::string& name);
+
 // Creates <runs>/<sequence>/<UTC stamp>/, new whatever is there already, and lets the link
 // <runs>/<sequence>/latest point to it. Throws Error(kOutput).
 [[nodiscard]] std::filesystem::path make_stamped_run_folder(const std::filesystem::path& runs,

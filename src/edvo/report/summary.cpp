@@ -240,6 +240,7 @@ std::string to_json(const RunSummary& summary) {
                {"sequence", run.sequence},
                {"source", run.source},
                {"command", run.command},
+               {"started", run.started},
                {"method", run.method},
                {"config_hash", config_hash(run.config)},
                {"seed", nullptr},

@@ -24,6 +24,7 @@ struct RunDescription {
   std::string sequence;  // its name
   std::string source;    // where it was read from
   std::string command;   // exactly as given
+  std::string started;   // UTC, ISO 8601
   std::string method;
   std::string config;  // resolved, TOML
   DistortedCamera camera;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "edvo/track/selection.hpp"
+#include "edvo/track/surface.hpp"
 
 #include <array>
 #include <vector>
@@ -20,6 +21,7 @@ struct ReferenceLevel {
 
 struct Reference {
   std::vector<ReferenceLevel> levels;  // as in the frame: 0 = full size
+  SurfacePoints surface;
 };
 
 // Builds what the inverse-compositional alignment needs: at each level the points' intensities and

@@ -16,10 +16,11 @@ float gradient_magnitude(const cv::Mat_<std::uint8_t>& gray, int x, int y) {
   return std::sqrt(gx * gx + gy * gy);
 }
 
-// Takes the strongest of every cell, then the second of every cell, and so on until there are
-// enough.
-std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int columns, int cell,
+}  // namespace
+
+std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int width, int cell,
                                   int limit) {
+  const int columns = (width + cell - 1) / cell;
   if (static_cast<int>(pixels.size()) <= limit) return pixels;
   const auto cell_of = [&](const SelectedPixel& p) {
     return p.pixel.y / cell * columns + p.pixel.x / cell;
@@ -57,8 +58,6 @@ std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int columns
   return kept;
 }
 
-}  // namespace
-
 float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel, const SelectOptions& options) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const float centre = depth(pixel);
@@ -94,8 +93,7 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
       if (!std::isnan(depth)) pixels.push_back({{x, y}, depth, gradient});
     }
   }
-  const int columns = (gray.cols + options.cell - 1) / options.cell;
-  return spread(std::move(pixels), columns, options.cell, options.max_points);
+  return spread(std::move(pixels), gray.cols, options.cell, options.max_points);
 }
 
 }  // namespace edvo

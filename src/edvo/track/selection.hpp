@@ -13,6 +13,7 @@ namespace edvo {
 
 struct SelectOptions {
   int max_points = 4000;
+  int min_points = 50;
   int cell = 8;               // [px]
   double min_gradient = 3.0;  // [grey levels / px]
   double min_depth = 0.3;     // [m]
@@ -26,6 +27,8 @@ template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, SelectOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("max_points", self.max_points, Range{10, 1e7}, "points kept of a keyframe, spread evenly");
+  visit("min_points", self.min_points, Range{6, 1e6},
+        "a frame with fewer cannot become a keyframe");
   visit("cell", self.cell, Range{1, 200}, "side of the cells that the points are spread over [px]");
   visit("min_gradient", self.min_gradient, Range{0, 255},
         "least gradient of a tracked pixel [grey levels / px]");
@@ -49,6 +52,11 @@ struct SelectedPixel {
                                                        const cv::Mat_<std::uint8_t>& mask,
                                                        const cv::Mat_<std::uint8_t>& valid,
                                                        const SelectOptions& options);
+
+// At most `limit` of them: the strongest of every cell, then the second of every cell, and so on.
+// width: of the image [px].
+[[nodiscard]] std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int width,
+                                                int cell, int limit);
 
 // Depth of a pixel on or near an edge; NaN where none can be trusted.
 [[nodiscard]] float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel,

@@ -18,6 +18,8 @@ constexpr float kIntensityUnit = 64.F;  // [grey levels] makes gain and bias ste
 constexpr double kGainSigma = 0.3;      // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;     // [grey levels]
 constexpr float kInlierSigmas = 3.F;
+constexpr float kSurfaceTukey = 6.F;  // [sigmas] farther off, it is another surface
+constexpr float kSurfaceSaturation = kSurfaceTukey * kSurfaceTukey / 6.F;
 
 // xi, gain, bias / kIntensityUnit.
 using System = LinearSystem<8>;
@@ -50,9 +52,15 @@ void residuals(const ReferenceLevel& reference, const Level& current, const Alig
 // One pyramid level as a least-squares problem with a fixed scale of the residuals.
 class LevelProblem {
  public:
-  LevelProblem(const ReferenceLevel& reference, const Level& current, const TrackOptions& options,
-               float sigma)
-      : reference_(reference), current_(current), options_(options), sigma_(sigma) {}
+  LevelProblem(const Reference& reference, const Frame& frame, std::size_t level,
+               const TrackOptions& options, float sigma)
+      : reference_(reference.levels[level]),
+        surface_(reference.surface),
+        current_(frame.levels[level]),
+        full_camera_(frame.levels.front().camera),
+        depth_(frame.depth),
+        options_(options),
+        sigma_(sigma) {}
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
     residuals(reference_, current_, alignment, residuals_);
@@ -94,6 +102,7 @@ class LevelProblem {
         cost = 0;
       }
     }
+    if (options_.geometric > 0) add_surface(alignment.cur_from_ref, system);
     add_brightness_prior(alignment, system);
     return system;
   }
@@ -126,8 +135,54 @@ class LevelProblem {
         0.5 * (gain_weight * gain_error * gain_error + bias_weight * bias_error * bias_error);
   }
 
+  // Residuals n . (ref_from_cur x_cur) - 1, x_cur the point that the sensor saw where the reference
+  // point projects to: a share of depth, so its sigma is that of inverse depth times depth.
+  void add_surface(const SE3& cur_from_ref, System& system) const {
+    const Eigen::Matrix3f R = cur_from_ref.rotation.toRotationMatrix().cast<float>();
+    const Eigen::Vector3f t = cur_from_ref.translation.cast<float>();
+    const float fx = static_cast<float>(full_camera_.fx), fy = static_cast<float>(full_camera_.fy);
+    const float cx = static_cast<float>(full_camera_.cx), cy = static_cast<float>(full_camera_.cy);
+    const float noise = static_cast<float>(options_.depth_noise);
+    const float weight = static_cast<float>(options_.geometric);
+    Eigen::Matrix<float, 6, 6> hessian = Eigen::Matrix<float, 6, 6>::Zero();
+    Eigen::Matrix<float, 6, 1> gradient = Eigen::Matrix<float, 6, 1>::Zero();
+    double cost = 0;
+    for (std::size_t i = 0; i < surface_.x.size(); ++i) {
+      const Eigen::Vector3f p(surface_.x[i], surface_.y[i], surface_.z[i]);
+      const Eigen::Vector3f q = R * p + t;
+      const float u = fx * q.x() / q.z() + cx + 0.5F, v = fy * q.y() / q.z() + cy + 0.5F;
+      const bool visible = q.z() > 0.05F && u >= 0 && v >= 0 &&
+                           u < static_cast<float>(depth_.cols) &&
+                           v < static_cast<float>(depth_.rows);
+      const int column = visible ? static_cast<int>(u) : 0, row = visible ? static_cast<int>(v) : 0;
+      const float z = visible ? depth_(row, column) : kOutside;
+      if (std::isnan(z)) {
+        cost += static_cast<double>(weight * kSurfaceSaturation);
+        continue;
+      }
+      const Eigen::Vector3f seen((static_cast<float>(column) - cx) / fx * z,
+                                 (static_cast<float>(row) - cy) / fy * z, z);
+      const Eigen::Vector3f x = R.transpose() * (seen - t);
+      const Eigen::Vector3f n(surface_.nx[i], surface_.ny[i], surface_.nz[i]);
+      const float sigma = noise * surface_.z[i];
+      const RobustValue value = robust(Loss::kTukey, kSurfaceTukey, (n.dot(x) - 1.F) / sigma);
+      cost += static_cast<double>(weight * value.cost);
+      const float w = weight * value.weight / (sigma * sigma);
+      Eigen::Matrix<float, 6, 1> J;  // of exp(-xi) x
+      J << -n, -x.cross(n);
+      hessian.noalias() += (w * J) * J.transpose();
+      gradient.noalias() += (w * (n.dot(x) - 1.F)) * J;
+    }
+    system.hessian.topLeftCorner<6, 6>() += hessian.cast<double>();
+    system.gradient.head<6>() += gradient.cast<double>();
+    system.cost += cost;
+  }
+
   const ReferenceLevel& reference_;
+  const SurfacePoints& surface_;
   const Level& current_;
+  const Camera& full_camera_;
+  const cv::Mat_<float>& depth_;
   const TrackOptions& options_;
   float sigma_;              // [grey levels]
   double mean_depth_ = 1.5;  // [m]
@@ -142,13 +197,34 @@ float residual_sigma(const std::vector<float>& all, const TrackOptions& options)
   return std::max(static_cast<float>(options.min_sigma), mad_sigma(seen));
 }
 
+// Pearson correlation of the reference's and the current intensities of the points in view: an
+// image that shows something else, or nothing, fits only with gain zero, which residuals do not
+// tell.
+double correlation(const ReferenceLevel& reference, const Alignment& alignment,
+                   const std::vector<float>& residuals) {
+  double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (std::isnan(residuals[i])) continue;
+    const double before = static_cast<double>(reference.intensity[i]);
+    const double now = static_cast<double>(residuals[i]) + alignment.gain * before + alignment.bias;
+    n += 1;
+    a += before;
+    b += now;
+    aa += before * before;
+    bb += now * now;
+    ab += before * now;
+  }
+  const double spread = (n * aa - a * a) * (n * bb - b * b);
+  return spread > 0 ? (n * ab - a * b) / std::sqrt(spread) : 0.0;
+}
+
 }  // namespace
 
 double coarse_cost(const Reference& reference, const Frame& frame, const Alignment& guess,
                    const TrackOptions& options) {
   const std::size_t l = std::min<std::size_t>(static_cast<std::size_t>(options.coarsest_level),
                                               frame.levels.size() - 1);
-  const LevelProblem problem(reference.levels[l], frame.levels[l], options, 10.F);
+  const LevelProblem problem(reference, frame, l, options, 10.F);
   return problem.linearize(guess).cost;
 }
 
@@ -162,7 +238,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     const Level& level = frame.levels[static_cast<std::size_t>(l)];
     residuals(points, level, result.alignment, all);
     const float sigma = residual_sigma(all, options);
-    const LevelProblem problem(points, level, options, sigma);
+    const LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, sigma);
     const MinimizeSummary summary = minimize(
         problem, result.alignment,
         {.max_iterations = options.max_iterations, .step_tolerance = options.step_tolerance});
@@ -176,6 +252,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
 
     residuals(points, level, result.alignment, all);
     result.sigma = residual_sigma(all, options);
+    result.correlation = correlation(points, result.alignment, all);
     int seen = 0, fitting = 0;
     for (const float r : all) {
       seen += std::isnan(r) ? 0 : 1;
@@ -184,7 +261,8 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     const double n = std::max<double>(1.0, static_cast<double>(all.size()));
     result.overlap = seen / n;
     result.inlier_ratio = fitting / std::max(1.0, static_cast<double>(seen));
-    const LevelProblem last(points, level, options, static_cast<float>(result.sigma));
+    const LevelProblem last(reference, frame, static_cast<std::size_t>(l), options,
+                            static_cast<float>(result.sigma));
     // Gain and bias are estimated too: what is known of the pose alone is the Schur complement.
     const System system = last.linearize(result.alignment);
     const Eigen::Matrix2d affine = system.hessian.bottomRightCorner<2, 2>();
@@ -194,6 +272,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
   }
   const bool fits = result.overlap >= options.min_overlap &&
                     result.inlier_ratio >= options.min_inliers &&
+                    result.correlation >= options.min_correlation &&
                     is_finite(result.alignment.cur_from_ref) && result.information.allFinite();
   result.status = fits ? TrackStatus::kTracked : TrackStatus::kLost;
   return result;

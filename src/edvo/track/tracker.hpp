@@ -20,8 +20,12 @@ struct TrackOptions {
   int max_iterations = 30;
   double step_tolerance = 0.01;  // [px]
   bool brightness = true;
-  double min_overlap = 0.3;  // [0..1]
-  double min_inliers = 0.4;  // [0..1]
+  double geometric = 0.2;
+  double depth_noise = 0.003;    // [1 / m]
+  int surface_cell = 14;         // [px]
+  double min_overlap = 0.3;      // [0..1]
+  double min_inliers = 0.4;      // [0..1]
+  double min_correlation = 0.4;  // [-1..1]
 };
 
 template <typename Self, typename Visitor>
@@ -40,10 +44,17 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("step_tolerance", self.step_tolerance, Range{1e-6, 1},
         "a step that moves pixels by less ends the level [px of that level]");
   visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
+  visit("geometric", self.geometric, Range{0, 1e3},
+        "weight of the point-to-plane residuals of depth; 0 = off");
+  visit("depth_noise", self.depth_noise, Range{1e-6, 1}, "sigma of measured inverse depth [1 / m]");
+  visit("surface_cell", self.surface_cell, Range{4, 200},
+        "side of the cells with one point-to-plane residual each [px]");
   visit("min_overlap", self.min_overlap, Range{0, 1},
         "share of the keyframe's points in view, below which a frame is lost [0..1]");
   visit("min_inliers", self.min_inliers, Range{0, 1},
         "share of points in view that fit, below which a frame is lost [0..1]");
+  visit("min_correlation", self.min_correlation, Range{-1, 1},
+        "correlation of the points' intensities in both images, below which a frame is lost");
 }
 
 // The pose of a frame and its brightness: I_current = gain * I_reference + bias.
@@ -70,6 +81,7 @@ struct TrackResult {
   TrackStatus status = TrackStatus::kLost;
   double overlap = 0;              // [0..1]
   double inlier_ratio = 0;         // [0..1]
+  double correlation = 0;          // of the points' intensities in both images [-1..1]
   double sigma = 0;                // of the residuals at the finest level [grey levels]
   std::vector<LevelStats> levels;  // coarse to fine
 };

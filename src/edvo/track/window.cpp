@@ -10,6 +10,8 @@
 namespace edvo {
 namespace {
 
+constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
+
 cv::Mat_<cv::Vec4f> with_gradient(const cv::Mat_<std::uint8_t>& gray) {
   cv::Mat_<cv::Vec4f> image(gray.size());
   for (int y = 0; y < gray.rows; ++y) {
@@ -34,15 +36,15 @@ WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_ke
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
   WindowKeyframe key{.world_from_key = world_from_key};
   key.gray = gray;
-  constexpr float kJump = 0.03F;
-  key.inverse_depth = cv::Mat_<float>(gray.size(), std::numeric_limits<float>::quiet_NaN());
-  for (int y = 2; y < gray.rows - 2; ++y)
-    for (int x = 2; x < gray.cols - 2; ++x) {
+  key.inverse_depth = cv::Mat_<float>((gray.rows + 1) / 2, (gray.cols + 1) / 2,
+                                      std::numeric_limits<float>::quiet_NaN());
+  for (int y = 2; y < gray.rows - 2; y += 2)
+    for (int x = 2; x < gray.cols - 2; x += 2) {
       const float z = frame.depth(y, x);
       bool smooth = true;
       for (const auto& [dx, dy] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}})
         smooth = smooth && std::abs(frame.depth(y + dy, x + dx) - z) < kJump * z;
-      if (smooth) key.inverse_depth(y, x) = 1.F / z;
+      if (smooth) key.inverse_depth(y / 2, x / 2) = 1.F / z;
     }
   const float soft2 = static_cast<float>(options.softness * options.softness);
   for (const SelectedPixel& selected : pixels) {

@@ -16,7 +16,7 @@ struct WindowOptions {
   int keyframes = 7;
   int anchors = 5;
   int memory = 100;
-  int points = 600;
+  int points = 400;
   int iterations = 5;
   double tolerance = 1e-4;
   double sigma = 6.0;           // [grey levels]
@@ -67,7 +67,7 @@ struct WindowKeyframe {
   double gain = 1, bias = 0;      // I = gain * radiance + bias
   cv::Mat_<std::uint8_t> gray;    // level 0
   cv::Mat_<cv::Vec4f> image;      // intensity, d/du, d/dv, 0; only while in a window
-  cv::Mat_<float> inverse_depth;  // [1 / m], NaN = none or on a jump
+  cv::Mat_<float> inverse_depth;  // of every second pixel [1 / m], NaN = none or on a jump
   std::vector<WindowPoint> points;
 };
 

@@ -102,8 +102,8 @@ EDVO_CLONES double add_pair(const Constants& c, const PairGeometry& g,
       total += static_cast<double>(c.most);
       continue;
     }
-    const float seen =
-        target.inverse_depth(static_cast<int>(v[0] + 0.5F), static_cast<int>(u[0] + 0.5F));
+    const float seen = target.inverse_depth(static_cast<int>(0.5F * v[0] + 0.5F),
+                                            static_cast<int>(0.5F * u[0] + 0.5F));
     const float inverse_z = rho * iz[0];
     if (seen > kOccluded * inverse_z) {
       total += static_cast<double>(c.most);

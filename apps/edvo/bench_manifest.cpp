@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "bench_manifest.hpp"
+
+#include "config_flags.hpp"
+#include "edvo/core/did_you_mean.hpp"
+#include "edvo/core/error.hpp"
+#include "edvo/io/file.hpp"
+#include "edvo/io/trajectory_file.hpp"
+#include "edvo/report/run_folder.hpp"
+#include "enum_option.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace edvo::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The manifest as it is read: where it is, where its paths start, and what has been noticed.
+struct Reader {
+  fs::path file;
+  fs::path base, data;  // of relative paths: its own and the data's
+  bool with_peers = true;
+  std::vector<std::string> warnings;
+};
+
+[[noreturn]] void refuse(const Reader& reader, const toml::node& node, const std::string& what) {
+  throw Error(ErrorCode::kConfig,
+              fmt::format("{}:{}: {}", reader.file.string(), node.source().begin.line, what));
+}
+
+toml::table parse(const fs::path& file) {
+  constexpr std::size_t kLargestManifest = 1 << 24;  // [bytes]
+  try {
+    return toml::parse(read_file(file, kLargestManifest), file.string());
+  } catch (const toml::parse_error& error) {
+    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: not valid TOML: {}", file.string(),
+                                                error.source().begin.line, error.description()));
+  }
+}
+
+void check_keys(const Reader& reader, const toml::table& table,
+                const std::vector<std::string>& known) {
+  for (const auto& [key, node] : table) {
+    const std::string name(key.str());
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      refuse(reader, node,
+             fmt::format("unknown key '{}'{} (known: {})", name, did_you_mean(name, known),
+                         fmt::join(known, ", ")));
+  }
+}
+
+// --- values -------------------------------------------------------------------------------------
+
+std::string as_text(const Reader& reader, const toml::node& node, std::string_view key) {
+  const auto* const text = node.as_string();
+  if (!text || text->get().empty())
+    refuse(reader, node, fmt::format("{}: expected text in quotes, not empty", key));
+  return text->get();
+}
+
+std::optional<std::string> find_text(const Reader& reader, const toml::table& table,
+                                     std::string_view key) {
+  const toml::node* const node = table.get(key);
+  if (!node) return std::nullopt;
+  return as_text(reader, *node, key);
+}
+
+std::string text(const Reader& reader, const toml::table& table, std::string_view key) {
+  const std::optional<std::string> value = find_text(reader, table, key);
+  if (!value) refuse(reader, table, fmt::format("'{}' is missing", key));
+  return *value;
+}
+
+std::vector<std::string> texts(const Reader& reader, const toml::table& table,
+                               std::string_view key) {
+  const toml::node* const node = table.get(key);
+  if (!node) return {};
+  const toml::array* const array = node->as_array();
+  if (!array) refuse(reader, *node, fmt::format("{}: expected a list, [\"...\", \"...\"]", key));
+  std::vector<std::string> values;
+  for (const toml::node& item : *array) values.push_back(as_text(reader, item, key));
+  return values;
+}
+
+std::optional<std::int64_t> find_count(const Reader& reader, const toml::table& table,
+                                       std::string_view key, std::int64_t most) {
+  const toml::node* const node = table.get(key);
+  if (!node) return std::nullopt;
+  const auto* const count = node->as_integer();
+  if (!count || count->get() < 1 || count->get() > most)
+    refuse(reader, *node, fmt::format("{}: expected a whole number from 1 to {}", key, most));
+  return count->get();
+}
+
+std::optional<double> find_positive(const Reader& reader, const toml::table& table,
+                                    std::string_view key) {
+  const toml::node* const node = table.get(key);
+  if (!node) return std::nullopt;
+  const std::optional<double> number = node->is_number() ? node->value<double>() : std::nullopt;
+  if (!number || !(*number > 0) || !std::isfinite(*number))
+    refuse(reader, *node, fmt::format("{}: expected a number above 0", key));
+  return number;
+}
+
+// Something that must be there. Links stay as they are: folders tell by their names.
+std::optional<fs::path> find_path(const Reader& reader, const toml::table& table,
+                                  std::string_view key) {
+  const std::optional<std::string> value = find_text(reader, table, key);
+  if (!value) return std::nullopt;
+  fs::path path = (reader.data / *value).lexically_normal();
+  std::error_code error;
+  if (!fs::exists(path, error))
+    refuse(reader, *table.get(key),
+           fmt::format("{}: {} is not there; relative paths start at {}, or where --data says", key,
+                       path.string(), reader.data.string()));
+  return path;
+}
+
+std::vector<const toml::table*> tables(const Reader& reader, const toml::table& parent,
+                                       std::string_view key, std::string_view heading) {
+  const toml::node* const node = parent.get(key);
+  if (!node) return {};
+  const toml::array* const array = node->as_array();
+  if (!array) refuse(reader, *node, fmt::format("{}: expected [[{}]]", key, heading));
+  std::vector<const toml::table*> found;
+  for (const toml::node& item : *array) {
+    if (!item.is_table()) refuse(reader, item, fmt::format("{}: expected [[{}]]", key, heading));
+    found.push_back(item.as_table());
+  }
+  return found;
+}
+
+// --- systems ------------------------------------------------------------------------------------
+
+// Two names that make the same folder are the same.
+using TakenFolders = std::set<std::string>;
+
+void take_name(const Reader& reader, const toml::node& node, const std::string& name,
+               TakenFolders& taken) {
+  if (!taken.insert(folder_name(name)).second)
+    refuse(reader, node,
+           fmt::format("'{}' is there twice, at least as the name of a folder, {}", name,
+                       folder_name(name)));
+}
+
+void check_method(const Reader& reader, const toml::node& node, const std::string& method) {
+  const std::vector<std::string> known = names_of<Method>();
+  if (!find_named<Method>(method))
+    refuse(reader, node,
+           fmt::format("unknown method '{}'{} (known: {})", method, did_you_mean(method, known),
+                       fmt::join(known, ", ")));
+}
+
+BenchSystem read_variant(const Reader& reader, const toml::table& table) {
+  check_keys(reader, table, {"name", "method", "set"});
+  BenchSystem variant{
+      .name = text(reader, table, "name"),
+      .method = find_text(reader, table, "method").value_or(std::string(name_of(kDefaultMethod))),
+      .set = texts(reader, table, "set"),
+      .config = {}};
+  if (table.contains("method")) check_method(reader, *table.get("method"), variant.method);
+  if (variant.set.empty())
+    refuse(reader, table,
+           fmt::format("variant '{}': 'set' is missing, what differs from {}: set = "
+                       "[\"group.field=value\"]",
+                       variant.name, variant.method));
+  try {
+    variant.config = resolve_config({.method = variant.method, .file = {}, .set = variant.set});
+  } catch (const Error& error) {
+    refuse(reader, *table.get("set"), error.what());
+  }
+  return variant;
+}
+
+std::vector<BenchSystem> read_systems(const Reader& reader, const toml::table& root) {
+  std::vector<BenchSystem> systems;
+  TakenFolders taken;
+  for (const std::string& method : texts(reader, root, "methods")) {
+    const toml::node& node = *root.get("methods");
+    check_method(reader, node, method);
+    take_name(reader, node, method, taken);
+    systems.push_back({.name = method,
+                       .method = method,
+                       .set = {},
+                       .config = resolve_config({.method = method, .file = {}, .set = {}})});
+  }
+  for (const toml::table* table : tables(reader, root, "variant", "variant")) {
+    systems.push_back(read_variant(reader, *table));
+    take_name(reader, *table, systems.back().name, taken);
+  }
+  if (systems.empty())
+    refuse(reader, root, "nothing to run: methods = [\"canny+corner\"] names what to compare");
+  return systems;
+}
+
+// --- sequences ----------------------------------------------------------------------------------
+
+Trajectory read_poses(Reader& reader, const fs::path& file) {
+  TrajectoryFile read = read_trajectory(file);
+  reader.warnings.insert(reader.warnings.end(), read.warnings.begin(), read.warnings.end());
+  return std::move(read.trajectory);
+}
+
+std::vector<BenchPeer> read_peers(Reader& reader, const toml::table& sequence,
+                                  const std::vector<BenchSystem>& systems) {
+  std::vector<BenchPeer> peers;
+  TakenFolders taken;
+  for (const BenchSystem& system : systems) taken.insert(folder_name(system.name));
+  for (const toml::table* table : tables(reader, sequence, "peer", "sequence.peer")) {
+    check_keys(reader, *table, {"name", "trajectory"});
+    const std::string name = text(reader, *table, "name");
+    take_name(reader, *table, name, taken);
+    if (!table->contains("trajectory")) refuse(reader, *table, "'trajectory' is missing");
+    if (!reader.with_peers) continue;
+    const fs::path file = *find_path(reader, *table, "trajectory");
+    peers.push_back({.name = name, .file = file, .trajectory = read_poses(reader, file)});
+  }
+  return peers;
+}
+
+BenchSequence read_sequence(Reader& reader, const toml::table& table,
+                            const std::vector<BenchSystem>& systems) {
+  check_keys(reader, table,
+             {"name", "path", "ground_truth", "camera", "depth_scale", "max_frames", "peer"});
+  BenchSequence sequence{
+      .name = text(reader, table, "name"), .choice = {}, .truth = {}, .peers = {}};
+  const std::optional<fs::path> path = find_path(reader, table, "path");
+  if (!path) refuse(reader, table, "'path' is missing");
+  constexpr std::int64_t kMostFrames = 1'000'000'000;
+  sequence.choice = {
+      .path = *path,
+      .camera_file = find_path(reader, table, "camera"),
+      .depth_scale = find_positive(reader, table, "depth_scale"),
+      .first = 0,
+      .max_frames = find_count(reader, table, "max_frames", kMostFrames).value_or(0)};
+  if (const std::optional<fs::path> truth = find_path(reader, table, "ground_truth"))
+    sequence.truth = GroundTruth{truth->string(), read_poses(reader, *truth)};
+  sequence.peers = read_peers(reader, table, systems);
+  return sequence;
+}
+
+}  // namespace
+
+BenchManifest read_manifest(const fs::path& file, const ManifestOptions& options) {
+  const toml::table root = parse(file);
+  const fs::path base = fs::absolute(file).parent_path();
+  Reader reader{.file = file,
+                .base = base,
+                .data = options.data.empty() ? base : fs::absolute(options.data),
+                .with_peers = options.with_peers,
+                .warnings = {}};
+  check_keys(reader, root, {"output", "methods", "repeats", "sequence", "variant"});
+
+  BenchManifest manifest{.file = file,
+                         .output = fs::path("bench") / file.stem(),
+                         .systems = read_systems(reader, root),
+                         .sequences = {},
+                         .warnings = {}};
+  if (const std::optional<std::string> output = find_text(reader, root, "output"))
+    manifest.output = (reader.base / *output).lexically_normal();
+  constexpr std::int64_t kMostRepeats = 1000;
+  manifest.repeats =
+      static_cast<int>(find_count(reader, root, "repeats", kMostRepeats).value_or(1));
+  TakenFolders taken;
+  for (const toml::table* table : tables(reader, root, "sequence", "sequence")) {
+    manifest.sequences.push_back(read_sequence(reader, *table, manifest.systems));
+    take_name(reader, *table, manifest.sequences.back().name, taken);
+  }
+  if (manifest.sequences.empty())
+    refuse(reader, root, "no sequence: [[sequence]] with name and path names what to run on");
+  manifest.warnings = std::move(reader.warnings);
+  return manifest;
+}
+
+}  // namespace edvo::app

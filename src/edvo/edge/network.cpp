@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/edge/network.hpp"
+
+#include "edvo/core/did_you_mean.hpp"
+#include "edvo/edge/onnx_outputs.hpp"
+#include "edvo/edge/thin.hpp"
+#include "edvo/io/model_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace edvo {
+namespace {
+
+// Probabilities may leave [0..1] by rounding; more means that an activation is missing.
+constexpr double kProbabilityTolerance = 1e-3;
+
+[[noreturn]] void fail(const std::string& source, const std::string& reason) {
+  throw Error(ErrorCode::kModel, fmt::format("{}: {}", source, reason));
+}
+
+// The innermost message: OpenCV wraps one error in the next, line by line.
+std::string reason_of(const cv::Exception& error) {
+  const std::string& text = error.err;
+  const std::size_t last = text.rfind("error: ");
+  std::string reason = last == std::string::npos ? text : text.substr(last + 7);
+  return reason.substr(0, reason.find('\n'));
+}
+
+std::string output_name(const Model& model) {
+  const auto names = onnx_outputs(model.weights);
+  if (!names) fail(model.source, "not an ONNX file, or a truncated one");
+  const NetworkOutput& wanted = model.description.output;
+  if (!wanted.name.empty()) {
+    if (std::ranges::find(*names, wanted.name) == names->end())
+      fail(model.source, fmt::format("it has no output '{}'{}; its outputs are {}", wanted.name,
+                                     did_you_mean(wanted.name, *names), fmt::join(*names, ", ")));
+    return wanted.name;
+  }
+  const int count = static_cast<int>(names->size());
+  if (wanted.index >= count)
+    fail(model.source, fmt::format("output.index {} is out of range; its outputs are, from 0: {}",
+                                   wanted.index, fmt::join(*names, ", ")));
+  return wanted.index < 0 ? names->back() : (*names)[static_cast<std::size_t>(wanted.index)];
+}
+
+// A maximum or a clip inside the network may hide NaN weights from its output.
+void check_weights(const cv::dnn::Net& network, const std::string& source) {
+  for (const std::string& name : network.getLayerNames())
+    for (const cv::Mat& blob : network.getLayer(network.getLayerId(name))->blobs)
+      if (!blob.empty() && blob.depth() == CV_32F && !cv::checkRange(blob.reshape(1, 1)))
+        fail(source,
+             fmt::format("a weight of layer {} is not finite", name.substr(name.find('!') + 1)));
+}
+
+cv::dnn::Net load(const Model& model) {
+  try {
+    cv::dnn::Net network = cv::dnn::readNetFromONNX(model.weights.data(), model.weights.size());
+    network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
+    network.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
+    check_weights(network, model.source);
+    return network;
+  } catch (const cv::Exception& error) {
+    fail(model.source,
+         fmt::format("OpenCV {} cannot load this network: {}", CV_VERSION, reason_of(error)));
+  }
+}
+
+std::string spelled(cv::Size size) {
+  return fmt::format("{} x {}", size.width, size.height);
+}
+
+// The image as the network wants it.
+struct Fitted {
+  cv::Mat image;
+  cv::Size content;  // [px], without padding
+};
+
+Fitted fit(const cv::Mat& bgr, const NetworkInput& rule, const std::string& source) {
+  Fitted fitted{.image = bgr, .content = rule.size};
+  if (rule.size.empty())
+    fitted.content = {cvRound(bgr.cols * rule.factor), cvRound(bgr.rows * rule.factor)};
+  const int n = rule.multiple_of;
+  if (std::min(fitted.content.width, fitted.content.height) < n)
+    fail(source, fmt::format("an image of {} px is too small for this network, whose stride is {} "
+                             "px (input.multiple_of)",
+                             spelled(fitted.content), n));
+  if (fitted.content != bgr.size()) {
+    const bool shrinks = fitted.content.area() < bgr.size().area();
+    cv::resize(bgr, fitted.image, fitted.content, 0, 0,
+               shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
+  }
+  const auto missing = [n](int side) { return (n - side % n) % n; };
+  const int right = missing(fitted.content.width), below = missing(fitted.content.height);
+  if (right > 0 || below > 0)
+    cv::copyMakeBorder(
+        cv::Mat(fitted.image), fitted.image, 0, below, 0, right,
+        rule.padding == Padding::kReflect ? cv::BORDER_REFLECT_101 : cv::BORDER_REPLICATE);
+  return fitted;
+}
+
+class NetworkDetector final : public EdgeDetector {
+ public:
+  explicit NetworkDetector(const Model& model)
+      : description_(model.description),
+        source_(model.source),
+        output_(output_name(model)),
+        network_(load(model)) {}
+
+  [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
+    const Fitted fitted = fit(bgr, description_.input, source_);
+    cv::Mat_<float> strength = run(fitted.image)(cv::Rect({}, fitted.content)).clone();
+    activate(strength);
+    if (fitted.content != bgr.size()) {
+      cv::Mat resized;
+      cv::resize(strength, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);
+      strength = resized;
+    }
+    return strength;
+  }
+
+ private:
+  // The network's output for a fitted image: as large as that, finite.
+  cv::Mat_<float> run(const cv::Mat& image) const {
+    const NetworkInput& input = description_.input;
+    const cv::Mat blob = cv::dnn::blobFromImage(
+        image, input.scale, cv::Size(), cv::Scalar(input.mean[0], input.mean[1], input.mean[2]),
+        input.channels == ChannelOrder::kRgb, false, CV_32F);
+    const cv::Mat output = forward(blob, image.size());
+    const bool is_plane = output.dims >= 2 && output.type() == CV_32FC1 &&
+                          output.size[output.dims - 2] == image.rows &&
+                          output.size[output.dims - 1] == image.cols &&
+                          output.total() == image.total();
+    if (!is_plane)
+      fail(source_,
+           fmt::format("output '{}' has the shape {}; for an image of {} px an edge map "
+                       "of 1 x 1 x {} x {} is expected",
+                       output_, shape_of(output), spelled(image.size()), image.rows, image.cols));
+    cv::Mat_<float> plane = output.reshape(1, image.rows);
+    if (!cv::checkRange(plane))
+      fail(source_, fmt::format("output '{}' is not finite everywhere", output_));
+    return plane;
+  }
+
+  cv::Mat forward(const cv::Mat& blob, cv::Size size) const {
+    const std::scoped_lock lock(mutex_);
+    try {
+      network_.setInput(blob);
+      return network_.forward(output_).clone();
+    } catch (const cv::Exception& error) {
+      fail(source_, fmt::format("OpenCV {} cannot run this network on an image of {} px: {}",
+                                CV_VERSION, spelled(size), reason_of(error)));
+    }
+  }
+
+  void activate(cv::Mat_<float>& strength) const {
+    if (description_.output.activation == Activation::kSigmoid) {
+      for (float& value : strength) value = 1 / (1 + std::exp(-value));
+      return;
+    }
+    double lowest = 0, highest = 0;
+    cv::minMaxLoc(strength, &lowest, &highest);
+    if (lowest < -kProbabilityTolerance || highest > 1 + kProbabilityTolerance)
+      fail(source_,
+           fmt::format("output '{}' goes from {:.3g} to {:.3g} instead of 0 to 1; does its "
+                       "description lack activation = \"sigmoid\"?",
+                       output_, lowest, highest));
+    for (float& value : strength) value = std::clamp(value, 0.F, 1.F);
+  }
+
+  static std::string shape_of(const cv::Mat& output) {
+    return fmt::format("{}", fmt::join(output.size.p, output.size.p + output.dims, " x "));
+  }
+
+  ModelDescription description_;
+  std::string source_;  // the ONNX file, for messages
+  std::string output_;
+  mutable std::mutex mutex_;  // a forward pass writes into the network
+  mutable cv::dnn::Net network_;
+};
+
+}  // namespace
+
+std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size) {
+  auto detector = std::make_unique<NetworkDetector>(model);
+  (void)detector->detect(cv::Mat_<cv::Vec3b>(image_size, cv::Vec3b(0, 0, 0)));
+  return detector;
+}
+
+std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options, cv::Size image_size) {
+  if (options.model.empty())
+    throw Error(ErrorCode::kModel,
+                "network.model is empty: edges by a network need one; give its description file "
+                "with --model FILE, or choose --method canny+corner");
+  return make_network_detector(read_model(options.model), image_size);
+}
+
+cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
+                                     const NetworkOptions& options) {
+  return options.suppress ? thin_edges(strength, options.threshold)
+                          : cv::Mat_<std::uint8_t>(strength >= options.threshold);
+}
+
+}  // namespace edvo

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// Edges by a network (paper, section III-A): an ONNX file run by OpenCV's dnn module.
+#pragma once
+
+#include "edvo/core/fields.hpp"
+#include "edvo/edge/detector.hpp"
+
+#include <concepts>
+#include <memory>
+#include <string>
+
+namespace edvo {
+
+struct Model;  // edvo/io/model_file.hpp
+
+struct NetworkOptions {
+  std::string model;       // path of a description
+  double threshold = 0.5;  // [0..1]
+  bool suppress = true;
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, NetworkOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("model", self.model, Range{}, "description file of the network (docs/models.md)");
+  visit("threshold", self.threshold, Range{0, 1}, "least strength of an edge pixel [0..1]");
+  visit("suppress", self.suppress, Range{}, "thin edges to their strongest line, one pixel wide");
+}
+
+// Runs the network once on a blank image of this size, so that a model that does not fit fails here
+// and not in the middle of a run. Throws Error(kModel) if OpenCV cannot load or run it, if its
+// weights or its output are not finite, or its output is of another size than its input. Uses as
+// many threads as cv::setNumThreads says; the result does not depend on it.
+[[nodiscard]] std::unique_ptr<EdgeDetector> make_network_detector(const Model& model,
+                                                                  cv::Size image_size);
+
+// The same for the description file of the options. Throws Error(kModel) if they name none.
+[[nodiscard]] std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options,
+                                                         cv::Size image_size);
+
+// H x W, 255 = edge.
+[[nodiscard]] cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
+                                                   const NetworkOptions& options);
+
+}  // namespace edvo

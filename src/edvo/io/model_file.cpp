@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/io/model_file.hpp"
+
+#include "edvo/core/sha256.hpp"
+#include "edvo/io/file.hpp"
+
+#include <fmt/core.h>
+
+namespace edvo {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestDescription = std::size_t{1} << 20;  // [bytes]
+
+std::string read_model_file(const fs::path& path, std::size_t largest) {
+  try {
+    return read_file(path, largest);
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kModel, error.what());
+  }
+}
+
+}  // namespace
+
+Model read_model(const fs::path& description) {
+  if (description.extension() == ".onnx")
+    throw Error(ErrorCode::kModel,
+                fmt::format("{}: a network is given by its description; write a TOML file beside "
+                            "it with file = \"{}\" (docs/models.md)",
+                            description.string(), description.filename().string()));
+  Model model{.description = model_description_from_toml(
+                  read_model_file(description, kLargestDescription), description.string()),
+              .weights = {},
+              .source = {}};
+  const fs::path file = description.parent_path() / model.description.file;
+  model.source = file.string();
+  model.weights = read_model_file(file, kLargestFile);
+  const std::string& expected = model.description.sha256;
+  if (expected.empty()) return model;
+  if (const std::string found = sha256(model.weights); found != expected)
+    throw Error(ErrorCode::kModel,
+                fmt::format("{}: its SHA-256 is {}, but {} expects {}; the file is damaged or not "
+                            "the one described",
+                            model.source, found, description.string(), expected));
+  return model;
+}
+
+}  // namespace edvo

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// An edge network as it lies on disk: its description and its weights.
+#pragma once
+
+#include "edvo/io/model_description.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace edvo {
+
+struct Model {
+  ModelDescription description;
+  std::string weights;  // bytes of the ONNX file
+  std::string source;   // the ONNX file's path, for messages
+};
+
+// Throws Error(kModel) if one of the two files is missing, unreadable or not what it should be, or
+// if the weights have another SHA-256 than described.
+[[nodiscard]] Model read_model(const std::filesystem::path& description);
+
+}  // namespace edvo

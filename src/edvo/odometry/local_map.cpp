@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/odometry/local_map.hpp"
+
+#include <algorithm>
+
+namespace edvo {
+namespace {
+
+constexpr double kSameView = 0.3;  // [0..1] of a keyframe's points that an anchor must see
+
+}  // namespace
+
+void LocalMap::add(const Frame& frame, const SE3& world_from_camera, const Alignment& from_last,
+                   const std::vector<SelectedPixel>& pixels, const Config& config) {
+  keyframes_.push_back({frame.stamp, world_from_camera});
+  const WindowOptions& options = config.window;
+  if (options.keyframes == 0) return;
+  WindowKeyframe key = make_window_keyframe(
+      frame, world_from_camera,
+      spread(pixels, frame.depth.cols, config.selection.cell, options.points), options);
+  if (!recent_.empty()) {  // I = gain * radiance + bias, chained over the last keyframe
+    key.gain = from_last.gain * recent_.back().gain;
+    key.bias = from_last.gain * recent_.back().bias + from_last.bias;
+  }
+  recent_.push_back(std::move(key));
+  const auto limit = static_cast<std::size_t>(options.keyframes + options.memory);
+  if (recent_.size() > limit) recent_.erase(recent_.begin());
+  refine(frame.levels.front().camera, options);
+}
+
+void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
+  const std::size_t count = recent_.size();
+  const std::size_t free = std::min(count, static_cast<std::size_t>(options.keyframes));
+  std::vector<std::pair<double, std::size_t>>
+      views;  // negated, so that sorting puts the best first
+  for (std::size_t k = 0; k + free < count; ++k) {
+    recent_[k].image.release();
+    const double view = shared_view(recent_.back(), recent_[k], camera);
+    if (view > kSameView) views.emplace_back(-view, k);
+  }
+  std::sort(views.begin(), views.end());
+  views.resize(std::min(views.size(), static_cast<std::size_t>(options.anchors)));
+  std::vector<std::size_t> members;
+  for (const auto& [view, k] : views) members.push_back(k);
+  std::sort(members.begin(), members.end());
+  const int fixed = std::max(1, static_cast<int>(members.size()));
+  for (std::size_t k = count - free; k < count; ++k) members.push_back(k);
+
+  std::vector<WindowKeyframe> window;
+  for (const std::size_t k : members) window.push_back(std::move(recent_[k]));
+  refine_window(window, camera, fixed, options);
+  const std::size_t first = keyframes_.size() - count;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    recent_[members[i]] = std::move(window[i]);
+    keyframes_[first + members[i]].world_from_camera = recent_[members[i]].world_from_key;
+  }
+}
+
+cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undistortion,
+                                 const EdgeDetector* network, const Config& config) {
+  switch (config.edge.detector) {
+    case Detector::kCanny:
+      return canny_edges(frame.levels.front().gray, config.canny);
+    case Detector::kNetwork:
+      return network_edges(network->detect(undistort_colour(undistortion, frame.bgr)),
+                           config.network);
+    case Detector::kNone:
+      break;
+  }
+  return cv::Mat_<std::uint8_t>(frame.depth.size(), std::uint8_t{255});
+}
+
+cv::Mat_<std::uint8_t> with_corner_discs(const cv::Mat_<std::uint8_t>& edges,
+                                         const CornerOptions& options) {
+  if (!options.enabled) return edges;
+  cv::Mat_<float> strength;
+  edges.convertTo(strength, CV_32F, 1.0 / 255);
+  cv::Mat_<std::uint8_t> mask =
+      draw_discs(edges.size(), optimize_corners(strength, options), options.disc_radius);
+  mask |= edges;
+  return mask;
+}
+
+}  // namespace edvo

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// The keyframes: all poses, and of the latest ones what their joint refinement needs.
+#pragma once
+
+#include "edvo/core/trajectory.hpp"
+#include "edvo/odometry/config.hpp"
+
+namespace edvo {
+
+class LocalMap {
+ public:
+  // Adds a keyframe and refines it together with the last ones, held by older ones with the same
+  // view. from_last: brightness of the frame against the last keyframe.
+  void add(const Frame& frame, const SE3& world_from_camera, const Alignment& from_last,
+           const std::vector<SelectedPixel>& pixels, const Config& config);
+
+  [[nodiscard]] const Trajectory& keyframes() const { return keyframes_; }
+
+ private:
+  void refine(const Camera& camera, const WindowOptions& options);
+
+  Trajectory keyframes_;                // all
+  std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
+};
+
+// Candidates for tracking before corner optimization: H x W, 255 = edge; everything without
+// detector.
+// network: not null where the options ask for one.
+[[nodiscard]] cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undistortion,
+                                               const EdgeDetector* network, const Config& config);
+
+// Edges and the discs of the optimized corners (paper, fig. 3).
+[[nodiscard]] cv::Mat_<std::uint8_t> with_corner_discs(const cv::Mat_<std::uint8_t>& edges,
+                                                       const CornerOptions& options);
+
+}  // namespace edvo

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Flat pieces of a keyframe's surface, for point-to-plane alignment of depth.
+#pragma once
+
+#include "edvo/core/camera.hpp"
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace edvo {
+
+// Structure of arrays; the plane through point i is normal_i . x = 1, so that the residual
+// normal_i . x - 1 is an error of depth as a share of depth.
+struct SurfacePoints {
+  std::vector<float> x, y, z;     // in the keyframe camera [m]
+  std::vector<float> nx, ny, nz;  // [1 / m]
+};
+
+// One point per cell of the image, where 3 x 3 samples of the cell lie on a plane.
+// depth: H x W, [m], NaN = none. noise: sigma of inverse depth [1 / m].
+[[nodiscard]] SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera,
+                                         int cell, double noise);
+
+}  // namespace edvo

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/report/html.hpp"
+
+#include "report/sample_run.hpp"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+namespace edvo {
+namespace {
+
+using test::sample_description;
+using test::sample_run;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string page_of(const test::SampleRun& run, const RunDescription& description) {
+  return to_html(summarize(description, run.log, run.outcome), run.log, run.outcome);
+}
+
+TEST(Report, ShowsWhatMattersOfARun) {
+  const std::string page = page_of(sample_run(300), sample_description());
+  for (const char* part :
+       {"freiburg1_xyz", "canny+corner", "From above", "From the side", "ground truth",
+        "Absolute error over time", "Relative error over time", "Time per frame",
+        "Tracking quality", "Keyframes and their reasons", "1.23", "TUM protocol", "levels = 4",
+        "edvo run data/rgbd_dataset_freiburg1_xyz --method canny+corner", "summary.json"})
+    EXPECT_THAT(page, HasSubstr(part));
+}
+
+TEST(Report, NeedsNoNetwork) {
+  const std::string page = page_of(sample_run(50), sample_description());
+  for (const char* part : {"src=", "@import", "url(", "<link", "fetch("})
+    EXPECT_THAT(page, Not(HasSubstr(part)));
+}
+
+TEST(Report, TakesNoMarkupFromNames) {
+  RunDescription description = sample_description();
+  for (std::string* text :
+       {&description.sequence, &description.source, &description.command, &description.method,
+        &description.config, &description.camera_origin, &description.depth_origin})
+    *text = "<script>alert('x')</script>";
+  description.notes = description.warnings = {"<script>note</script>"};
+  test::SampleRun run = sample_run(20);
+  run.log.skipped = {{.index = 3, .stamp = "<script>", .reason = "<script>file.png</script>"}};
+  run.outcome.evaluation->ground_truth = "<script>truth</script>";
+  const std::string page = page_of(run, description);
+  for (const char* part : {"<script>alert", "<script>note", "<script>file", "<script>truth"})
+    EXPECT_THAT(page, Not(HasSubstr(part)));
+  EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;"));
+}
+
+TEST(Report, ShowsWarningsSkippedFramesAndInterruptions) {
+  RunDescription description = sample_description();
+  description.warnings = {"median depth 25 m"};
+  test::SampleRun run = sample_run(20);
+  run.log.skipped = {{.index = 7, .stamp = "1", .reason = "7.png: truncated"}};
+  run.outcome.interrupted = true;
+  const std::string page = page_of(run, description);
+  for (const char* part :
+       {"median depth 25 m", "Frame 7 skipped: 7.png: truncated", "Stopped by the user"})
+    EXPECT_THAT(page, HasSubstr(part));
+}
+
+TEST(Report, IsAPageAlsoWithoutGroundTruthAndWithoutFrames) {
+  test::SampleRun run = sample_run(20);
+  run.outcome.evaluation.reset();
+  run.outcome.no_evaluation = "no ground truth";
+  std::string page = page_of(run, sample_description());
+  EXPECT_THAT(page, Not(HasSubstr("Absolute error over time")));
+  EXPECT_THAT(page, HasSubstr("no ground truth"));
+  page = page_of({}, sample_description());
+  EXPECT_THAT(page, HasSubstr("</html>"));
+  EXPECT_THAT(page, Not(HasSubstr("nan")));
+}
+
+TEST(Report, StaysSmallForLongRuns) {
+  EXPECT_LT(page_of(sample_run(30'000), sample_description()).size(), 3'000'000u);
+}
+
+TEST(Report, GivesItsScriptValidData) {
+  const std::string page = page_of(sample_run(5000), sample_description());
+  const std::string opening = "id=\"route\">";
+  const std::size_t start = page.find(opening) + opening.size();
+  const auto route =
+      nlohmann::json::parse(page.substr(start, page.find("</script>", start) - start));
+  EXPECT_GT(route.size(), 500u);
+  EXPECT_LT(route.size(), 2000u);
+  EXPECT_EQ(route[0].size(), 5u);
+}
+
+}  // namespace
+}  // namespace edvo

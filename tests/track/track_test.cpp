@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/core/error.hpp"
+#include "edvo/frame/frame.hpp"
+#include "edvo/track/levenberg_marquardt.hpp"
+#include "edvo/track/tracker.hpp"
+#include "edvo/track/window_system.hpp"
+#include "support/matchers.hpp"
+#include "support/synthetic_plane.hpp"
+
+#include <gtest/gtest.h>
+
+namespace edvo {
+namespace {
+
+using test::kVgaCamera;
+using test::NearPose;
+using test::SyntheticPlane;
+
+constexpr SyntheticPlane kPlane{.distance = 2.0};
+
+Frame plane_frame(const SE3& world_from_camera) {
+  return make_frame(test::render_plane(kPlane, kVgaCamera, world_from_camera),
+                    make_undistortion({kVgaCamera, {}}), {});
+}
+
+std::vector<SelectedPixel> grid_pixels(const Frame& frame, int stride) {
+  std::vector<SelectedPixel> pixels;
+  for (int y = 12; y < frame.depth.rows - 12; y += stride)
+    for (int x = 12; x < frame.depth.cols - 12; x += stride)
+      pixels.push_back({{x, y}, frame.depth(y, x), 1.F});
+  return pixels;
+}
+
+SE3 motion(double x, double y, double z, double a, double b, double c) {
+  Vector6d xi;
+  xi << x, y, z, a, b, c;
+  return exp(xi);
+}
+
+TEST(Undistortion, OfAnUndistortedCameraIsTheImageItself) {
+  const auto undistortion = make_undistortion({kVgaCamera, {}});
+  const cv::Mat_<std::uint8_t> image(480, 640, std::uint8_t{7});
+  EXPECT_EQ(undistort_colour(undistortion, image).data, image.data);
+}
+
+TEST(Undistortion, TakesDepthFromWhereTheDistortedCameraSawIt) {
+  const DistortedCamera camera{kVgaCamera, {0.2, -0.5, 0.001, -0.002, 0.3}};
+  const auto undistortion = make_undistortion(camera);
+  cv::Mat_<float> depth(480, 640);
+  for (int y = 0; y < 480; ++y)
+    for (int x = 0; x < 640; ++x) depth(y, x) = 1.F + 0.001F * static_cast<float>(x);
+  // The model by hand at one pixel.
+  const double x = (500 - 319.5) / 525, y = (100 - 239.5) / 525, r2 = x * x + y * y;
+  const double radial = 1 + r2 * (0.2 + r2 * (-0.5 + r2 * 0.3));
+  const double u = 525 * (x * radial + 2 * 0.001 * x * y - 0.002 * (r2 + 2 * x * x)) + 319.5;
+  EXPECT_NEAR(undistort_depth(undistortion, depth)(100, 500), 1 + 0.001 * u, 0.0006);
+}
+
+TEST(Undistortion, RefusesACameraWithoutFocalLength) {
+  EXPECT_THROW((void)make_undistortion({Camera{.width = 640, .height = 480}, {}}), Error);
+}
+
+TEST(Frame, PyramidKeepsPrincipalPointAndIntensityTogether) {
+  const Frame frame = plane_frame({});
+  for (std::size_t l = 0; l < frame.levels.size(); ++l) {
+    const Level& level = frame.levels[l];
+    const int x = level.gray.cols / 3, y = level.gray.rows / 2;
+    EXPECT_NEAR(level.gray(y, x), test::intensity_at(kPlane, level.camera, {}, x, y), 2.5) << l;
+  }
+}
+
+TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
+  const Frame frame = plane_frame({});
+  const auto pixels = grid_pixels(frame, 37);
+  const Reference reference = make_reference(frame, pixels, 40);
+  const ReferenceLevel& level = reference.levels[0];
+  constexpr double kStep = 1e-5;
+  for (std::size_t i = 0; i < level.x.size(); ++i)
+    for (int k = 0; k < 6; ++k) {
+      const Eigen::Vector3d p(level.x[i], level.y[i], level.z[i]);
+      const auto intensity = [&](double step) {
+        Vector6d xi = Vector6d::Zero();
+        xi[k] = step;
+        const Eigen::Vector2d pixel = project(kVgaCamera, exp(xi) * p);
+        return test::intensity_at(kPlane, kVgaCamera, {}, pixel.x(), pixel.y());
+      };
+      const double numeric = (intensity(kStep) - intensity(-kStep)) / (2 * kStep);
+      EXPECT_NEAR(level.jacobian[static_cast<std::size_t>(k)][i], numeric,
+                  0.02 * std::abs(numeric) + 400)  // half a grey level of rounding over 1 px
+          << "point " << i << " component " << k;
+    }
+}
+
+struct Parabola {  // cost 0.5 |x - 3|^2 in one unknown, padded
+  [[nodiscard]] LinearSystem<1> linearize(double x) const {
+    LinearSystem<1> system;
+    system.hessian(0, 0) = 1;
+    system.gradient[0] = x - 3;
+    system.cost = 0.5 * (x - 3) * (x - 3);
+    ++calls;
+    return system;
+  }
+  [[nodiscard]] double update(double x, const Eigen::Matrix<double, 1, 1>& d) const {
+    return x + d[0];
+  }
+  [[nodiscard]] double step_size(const Eigen::Matrix<double, 1, 1>& d) const {
+    return std::abs(d[0]);
+  }
+  mutable int calls = 0;
+};
+
+TEST(LevenbergMarquardt, FindsTheMinimum) {
+  double x = -50;
+  const auto summary = minimize(Parabola{}, x, {.step_tolerance = 1e-9});
+  EXPECT_TRUE(summary.converged);
+  EXPECT_NEAR(x, 3, 1e-6);
+}
+
+TEST(LevenbergMarquardt, LambdaReachesTheSolver) {
+  double x = 0;
+  (void)minimize(Parabola{}, x, {.max_iterations = 2, .initial_lambda = 9});
+  EXPECT_NEAR(x, 0.3, 1e-12);  // one step of 3 / (1 + 9)
+}
+
+struct Wall : Parabola {  // every step makes it worse
+  [[nodiscard]] LinearSystem<1> linearize(double x) const {
+    LinearSystem<1> system = Parabola::linearize(x);
+    if (x != 0) system.cost = 1e9;
+    return system;
+  }
+};
+
+TEST(LevenbergMarquardt, ARejectedStepLeavesNoTrace) {
+  double x = 0;
+  (void)minimize(Wall{}, x, {.max_iterations = 20});
+  EXPECT_EQ(x, 0);
+}
+
+TEST(Robust, WeightIsTheDerivativeOfTheCostOverTheResidual) {
+  for (const Loss loss : {Loss::kHuber, Loss::kStudent, Loss::kTukey})
+    for (const float r : {-9.F, -2.F, -0.3F, 0.2F, 1.F, 4.F, 20.F}) {
+      const float h = 1e-2F;
+      const float slope = (robust(loss, 3, r + h).cost - robust(loss, 3, r - h).cost) / (2 * h);
+      EXPECT_NEAR(robust(loss, 3, r).weight * r, slope, 5e-3F) << name_of(loss) << ' ' << r;
+    }
+}
+
+TEST(Robust, SigmaOfNormalResidualsIsTheirDeviation) {
+  std::vector<float> residuals;
+  for (int i = 1; i < 1000; ++i)
+    residuals.push_back(5.F * static_cast<float>(std::tan((i - 500) * 0.0005)));
+  std::vector<float> with_outliers = residuals;
+  with_outliers.insert(with_outliers.end(), 100, 1e6F);
+  const float sigma = mad_sigma(residuals);
+  EXPECT_NEAR(mad_sigma(with_outliers), sigma, 0.25F * sigma);
+}
+
+TEST(Tracker, RecoversAMotionOnAPlane) {
+  const Frame key = plane_frame({});
+  Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  for (const SE3& truth :
+       {motion(0.05, 0, 0, 0, 0, 0), motion(0, -0.04, 0.03, 0, 0, 0),
+        motion(0, 0, 0, 0.03, -0.02, 0.05), motion(0.02, 0.03, -0.05, 0.02, 0.01, -0.03)}) {
+    const TrackResult result = track(reference, plane_frame(truth), {}, {});
+    EXPECT_EQ(result.status, TrackStatus::kTracked);
+    EXPECT_THAT(result.alignment.cur_from_ref, NearPose(inverse(truth), 1e-3));
+  }
+}
+
+TEST(Tracker, EstimatesGainAndBias) {
+  const Frame key = plane_frame({});
+  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  RgbdImage darker = test::render_plane(kPlane, kVgaCamera, motion(0.02, 0, 0, 0, 0.01, 0));
+  darker.bgr.convertTo(darker.bgr, -1, 0.7, 12);
+  const TrackResult result =
+      track(reference, make_frame(darker, make_undistortion({kVgaCamera, {}}), {}), {}, {});
+  EXPECT_NEAR(result.alignment.gain, 0.7, 0.02);
+  EXPECT_NEAR(result.alignment.bias, 12, 2.5);
+  EXPECT_THAT(result.alignment.cur_from_ref,
+              NearPose(inverse(motion(0.02, 0, 0, 0, 0.01, 0)), 2e-3));
+}
+
+TEST(Tracker, SaysLostOnAnUnrelatedImage) {
+  const Frame key = plane_frame({});
+  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  Frame black = key;
+  for (Level& level : black.levels)
+    level.gray = cv::Mat_<std::uint8_t>(level.gray.size(), std::uint8_t{0});
+  black.depth = cv::Mat_<float>(key.depth.size(), std::numeric_limits<float>::quiet_NaN());
+  const TrackResult result = track(reference, black, {}, {.brightness = false});
+  EXPECT_EQ(result.status, TrackStatus::kLost);
+  EXPECT_TRUE(is_finite(result.alignment.cur_from_ref));
+}
+
+TEST(Tracker, InformationIsSymmetricAndPositive) {
+  const Frame key = plane_frame({});
+  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  const Matrix6d information = track(reference, key, {}, {}).information;
+  EXPECT_LT((information - information.transpose()).norm(), 1e-6 * information.norm());
+  EXPECT_GT(information.ldlt().vectorD().minCoeff(), 0);
+}
+
+TEST(Selection, TakesTheForegroundAtADepthJump) {
+  cv::Mat_<float> depth(40, 40, 3.F);
+  depth(cv::Rect(0, 0, 20, 40)) = 1.F;
+  EXPECT_FLOAT_EQ(edge_depth(depth, {21, 20}, {}), 1.F);
+  EXPECT_TRUE(std::isnan(edge_depth(depth, {21, 20}, {.foreground = false})));
+  EXPECT_FLOAT_EQ(edge_depth(depth, {30, 20}, {}), 3.F);
+}
+
+TEST(Selection, SpreadTakesOneOfEveryCellBeforeTheSecondOfAny) {
+  std::vector<SelectedPixel> pixels;
+  for (int x = 0; x < 80; ++x) pixels.push_back({{x, 4}, 1.F, static_cast<float>(x % 10)});
+  const auto kept = spread(pixels, 80, 10, 8);
+  ASSERT_EQ(kept.size(), 8U);
+  for (int cell = 0; cell < 8; ++cell)
+    EXPECT_EQ(kept[static_cast<std::size_t>(cell)].pixel.x, 10 * cell + 9);
+}
+
+std::vector<WindowKeyframe> plane_window(const std::vector<SE3>& poses,
+                                         const WindowOptions& options) {
+  std::vector<WindowKeyframe> window;
+  for (const SE3& pose : poses) {
+    const Frame frame = plane_frame(pose);
+    window.push_back(make_window_keyframe(frame, pose, grid_pixels(frame, 41), options));
+  }
+  return window;
+}
+
+TEST(Window, RecoversDisturbedPosesAndBrightness) {
+  const WindowOptions options{.iterations = 20, .tolerance = 1e-9};
+  const std::vector<SE3> poses = {SE3{}, motion(0.1, 0, 0, 0, 0.02, 0),
+                                  motion(0.1, 0.1, 0.05, 0.02, 0, 0.03)};
+  auto window = plane_window(poses, options);
+  window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
+  window[2].world_from_key = poses[2] * motion(-0.004, 0.005, 0.002, 0.002, -0.001, 0.001);
+  const WindowSummary summary = refine_window(window, kVgaCamera, 1, options);
+  EXPECT_LT(summary.last_cost, summary.first_cost);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
+    EXPECT_NEAR(window[k].gain, 1, 0.02);
+  }
+}
+
+TEST(Window, LeavesTheFixedKeyframesWhereTheyAre) {
+  const WindowOptions options;
+  const std::vector<SE3> poses = {SE3{}, motion(0.05, 0, 0, 0, 0, 0), motion(0.1, 0, 0, 0, 0, 0)};
+  auto window = plane_window(poses, options);
+  window[2].world_from_key = poses[2] * motion(0.003, 0, 0, 0, 0, 0);
+  (void)refine_window(window, kVgaCamera, 2, options);
+  EXPECT_THAT(window[0].world_from_key, NearPose(poses[0], 1e-15));
+  EXPECT_THAT(window[1].world_from_key, NearPose(poses[1], 1e-15));
+}
+
+TEST(Window, GradientMatchesNumericDifferencesOfTheCost) {
+  // Depths held so stiffly that eliminating them changes nothing.
+  const WindowOptions options{.depth_noise = 1e-7, .geometric = 0};
+  const std::vector<SE3> poses = {SE3{}, motion(0.06, 0.02, 0, 0, 0.01, 0)};
+  auto window = plane_window(poses, options);
+  window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
+  (void)refine_window(window, kVgaCamera, 1, {.iterations = 1});  // fills the gradient images
+  const WindowSystem system = linearize_window(window, kVgaCamera, 1, options);
+  constexpr double kStep = 1e-4;
+  for (int k = 0; k < 6; ++k) {
+    const auto cost = [&](double step) {
+      auto moved = window;
+      Vector6d xi = Vector6d::Zero();
+      xi[k] = step;
+      moved[1].world_from_key = window[1].world_from_key * exp(xi);
+      return linearize_window(moved, kVgaCamera, 1, options).cost;
+    };
+    const double numeric = (cost(kStep) - cost(-kStep)) / (2 * kStep);
+    EXPECT_NEAR(system.gradient[k], numeric, 0.05 * system.gradient.head<6>().norm()) << k;
+  }
+}
+
+TEST(Window, AnotherKeyframesViewIsSharedOnlyIfItLooksThere) {
+  const auto window =
+      plane_window({SE3{}, motion(0.2, 0, 0, 0, 0, 0), motion(0, 0, 0, 0, 2, 0)}, {});
+  EXPECT_EQ(shared_view(window[0], window[0], kVgaCamera), 1);
+  EXPECT_GT(shared_view(window[0], window[1], kVgaCamera), 0.7);
+  EXPECT_EQ(shared_view(window[0], window[2], kVgaCamera), 0);
+}
+
+}  // namespace
+}  // namespace edvo
