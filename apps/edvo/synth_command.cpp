@@ -9,6 +9,7 @@
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/synth/parallel.hpp"
 #include "sequence_flags.hpp"
+#include "stop_signal.hpp"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -73,13 +74,19 @@ std::string write_frame(const synth::SyntheticSequence& sequence, int index,
   return stamp;
 }
 
-// Frames are made side by side, a batch at a time; the lists grow with what is on disk.
+// Frames are made side by side, a batch at a time; the lists grow with what is on disk, so that
+// Ctrl-C leaves a shorter sequence but a whole one.
 void write_frames(const synth::SyntheticSequence& sequence, int threads, const fs::path& folder) {
   LineFile colour_list(folder / "rgb.txt"), depth_list(folder / "depth.txt");
   colour_list.append("# colour images\n# timestamp filename");
   depth_list.append("# depth images\n# timestamp filename");
   const int count = synth::frame_count(sequence), batch = synth::thread_count(threads);
+  const StopSignal signal;
   for (int first = 0; first < count; first += batch) {
+    if (stop_requested()) {
+      fmt::print(stderr, "edvo: interrupted, {} of {} frames are written\n", first, count);
+      throw CLI::RuntimeError("interrupted", kInterruptedStatus);
+    }
     std::vector<std::future<std::string>> stamps;
     for (int index = first; index < std::min(first + batch, count); ++index)
       stamps.push_back(std::async(std::launch::async, [&sequence, &folder, index] {

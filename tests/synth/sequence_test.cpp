@@ -135,6 +135,13 @@ TEST(SyntheticSequence, RecordedTrajectoryGivesTheLengthAndTheMotion) {
   EXPECT_THAT(moved, NearPose(SE3{.translation = {0.3, 0, 0}}, 1e-6));
 }
 
+TEST(SyntheticSequence, OptionsOutOfRangeAreRefused) {
+  EXPECT_THROW((void)make_sequence({.frames = 0, .sensor = {}}, kSmall), Error);
+  SequenceOptions options;
+  options.sensor.depth_noise = std::nan("");
+  EXPECT_THROW((void)make_sequence(options, kSmall), Error);
+}
+
 TEST(SyntheticSequence, AnImpossibleCameraIsRefused) {
   DistortedCamera camera = kSmall;
   camera.pinhole.fx = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/synth/path.hpp"
 
-#include "edvo/core/error.hpp"
 #include "edvo/synth/random.hpp"
 
 #include <algorithm>
@@ -46,7 +45,9 @@ SE3 demo(const Path& path, double seconds) {
   constexpr double kRoll = 0.06;          // [rad]
   Random random{path.seed, 1};
   const Stage& stage = path.stage;
-  const double period = 4 * stage.reach.norm() / (kDemoSpeed * path.pace);  // [s]
+  constexpr double kLeastReach = 0.05;  // [m]
+  const double period =
+      4 * std::max(stage.reach.norm(), kLeastReach) / (kDemoSpeed * path.pace);  // [s]
   const Eigen::Vector3d eye = stage.eye + stage.reach.cwiseProduct(wander(seconds, period, random));
   const double distance = (stage.target - stage.eye).norm();
   const Eigen::Vector3d target =
@@ -76,11 +77,12 @@ SE3 xyz(const Path& path, double seconds) {
   constexpr double kSweep = 3;  // there and back along one axis [s]
   Random random{path.seed, 2};
   const auto axis = static_cast<int>(std::fmod(seconds / kSweep, 3));
-  // Starts and ends at rest, so that the change of axis is smooth: sin * sin^2 -> 0 with slope 0.
+  // Starts and ends at rest, so that the change of axis is smooth.
+  constexpr double kLargest = 0.6496;  // of the product below, at a third of a turn
   const double phase = kTurn * std::fmod(seconds, kSweep) / kSweep;
-  const double shift = std::sin(phase) * std::pow(std::sin(phase / 2), 2) / 0.7;
+  const double shift = std::sin(phase) * std::pow(std::sin(phase / 2), 2) / kLargest;
   SE3 pose = look_at(path.stage.eye, path.stage.target);
-  pose.translation += 0.9 * shift * path.stage.reach[axis] * Eigen::Vector3d::Unit(axis);
+  pose.translation += shift * path.stage.reach[axis] * Eigen::Vector3d::Unit(axis);
   return pose * tremor(seconds, random);
 }
 

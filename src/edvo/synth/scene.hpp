@@ -23,8 +23,9 @@ enum class SceneName {
 };
 
 struct Material {
-  int texture = 0;                // index into Scene::textures
-  Eigen::Vector3f dark, bright;   // BGR [0..255] where the texture is 0 and 1
+  int texture = 0;  // index into Scene::textures
+  // BGR [0..255] where the texture is 0 and where it is 1.
+  Eigen::Vector3f dark = Eigen::Vector3f::Zero(), bright = Eigen::Vector3f::Zero();
   Eigen::Vector2f tile = {0, 0};  // size of a tile [m]; 0 = once across the face
 };
 

@@ -79,15 +79,13 @@ void drop_shadows(const cv::Mat_<float>& exact, cv::Mat_<float>& depth, double f
   });
 }
 
-// Unit noise, shared among neighbours where the options say so.
-cv::Mat_<float> depth_noise(const cv::Size& size, const Shot& shot) {
+// Unit noise that neighbours up to `radius` pixels away have in common.
+cv::Mat_<float> shared_noise(const cv::Size& size, const Shot& shot, int radius) {
   cv::Mat_<float> noise(size);
   for_each_block(size.height, shot.threads, [&](int y) {
     Random random = shot.row(kDepthStream, y);
     for (int x = 0; x < size.width; ++x) noise(y, x) = random.normal();
   });
-  const int radius = shot.options.depth_correlation;
-  if (radius == 0) return noise;
   const int side = 2 * radius + 1;
   cv::boxFilter(noise, noise, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_REFLECT_101);
   noise /= side;  // the sum of side^2 unit variances has the variance side^2
@@ -123,14 +121,16 @@ cv::Mat_<float> measured_depth(const Render& exact, const Shot& shot, double foc
   const SensorOptions& options = shot.options;
   cv::Mat_<float> visible = exact.depth.clone();
   drop_shadows(exact.depth, visible, focal_length, shot.threads);
-  const cv::Mat_<float> noise = depth_noise(visible.size(), shot);
+  cv::Mat_<float> shared;  // empty: each pixel has noise of its own
+  if (options.depth_correlation > 0)
+    shared = shared_noise(visible.size(), shot, options.depth_correlation);
   const DisparityNoise measure(options);
   const auto least_incidence =
       static_cast<float>(std::cos(options.grazing_angle * std::numbers::pi / 180));
   const auto jitter = static_cast<float>(options.depth_edge_jitter);
   cv::Mat_<float> depth(visible.size(), kNone);
   for_each_block(depth.rows, shot.threads, [&](int y) {
-    Random random = shot.row(kJitterStream, y);
+    Random random = shot.row(kJitterStream, y), own = shot.row(kDepthStream, y);
     const auto shifted = [&](int at, int end) {
       const float off = jitter * random.normal();
       return std::clamp(static_cast<int>(std::lround(static_cast<float>(at) + off)), 0, end - 1);
@@ -138,10 +138,11 @@ cv::Mat_<float> measured_depth(const Render& exact, const Shot& shot, double foc
     for (int x = 0; x < depth.cols; ++x) {
       const int from_x = jitter > 0 ? shifted(x, depth.cols) : x;
       const int from_y = jitter > 0 ? shifted(y, depth.rows) : y;
+      const float noise = shared.empty() ? own.normal() : shared(y, x);
       const float z = visible(from_y, from_x);
       if (std::isnan(z) || exact.incidence(from_y, from_x) < least_incidence) continue;
       if (is_missing(shot, x, y)) continue;
-      const float value = measure(z, noise(y, x));
+      const float value = measure(z, noise);
       if (value >= options.nearest && value <= options.farthest) depth(y, x) = value;
     }
   });

@@ -5,10 +5,12 @@
 #include "edvo/synth/furniture.hpp"
 #include "edvo/synth/rays.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
+#include <type_traits>
 
 namespace edvo::synth {
 namespace {
@@ -27,13 +29,28 @@ double time_of(const SequenceOptions& options, int number) {
 }
 
 void check(const Camera& camera) {
-  if (!(camera.fx > 0) || camera.fy == 0 || !std::isfinite(camera.fy) || camera.width < 1 ||
-      camera.height < 1)
-    throw Error(ErrorCode::kCalibration,
-                "synthetic camera: focal lengths and size must be positive, got fx " +
-                    std::to_string(camera.fx) + ", fy " + std::to_string(camera.fy) + ", " +
-                    std::to_string(camera.width) + "x" + std::to_string(camera.height));
+  const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
+                      std::isfinite(camera.cx) && std::isfinite(camera.cy);
+  if (!finite || camera.fx <= 0 || camera.fy == 0 || camera.width < 2 || camera.height < 2)
+    throw Error(
+        ErrorCode::kCalibration,
+        fmt::format("synthetic camera: needs fx > 0, fy not 0 and at least 2x2 pixels, got "
+                    "fx {}, fy {}, cx {}, cy {}, {}x{}",
+                    camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height));
 }
+
+// Refuses the first number that is out of its range; NaN is out of every range.
+struct RangeCheck {
+  template <typename Field>
+  void operator()(const char* name, const Field& field, const Range& range, const char*) const {
+    if constexpr (std::is_same_v<Field, int> || std::is_same_v<Field, double>) {
+      if (!(field >= range.lowest && field <= range.highest))
+        throw Error(ErrorCode::kConfig,
+                    fmt::format("synthetic sequence: {} = {} is out of range, allowed: {} to {}",
+                                name, field, range.lowest, range.highest));
+    }
+  }
+};
 
 // The frames that arrive. The first always does: it defines the start.
 std::vector<int> kept_frames(const SequenceOptions& options) {
@@ -94,6 +111,8 @@ void blur_motion(const SyntheticSequence& sequence, double seconds, Render& imag
 SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedCamera& camera,
                                 const Trajectory& recorded) {
   check(camera.pinhole);
+  visit_fields(options, RangeCheck{});
+  visit_fields(options.sensor, RangeCheck{});
   const auto seed = static_cast<std::uint64_t>(options.seed);
   SyntheticSequence sequence{.options = options,
                              .camera = camera,

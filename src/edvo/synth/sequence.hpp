@@ -58,7 +58,8 @@ struct SyntheticSequence {
 };
 
 // recorded: if not empty, the camera moves like this instead of options.path (see fit_into); the
-// sequence ends where the recording does. Throws Error(kCalibration) if the camera cannot be.
+// sequence ends where the recording does. Throws Error(kConfig) about an option out of range,
+// Error(kCalibration) about an impossible camera and what fit_into throws.
 [[nodiscard]] SyntheticSequence make_sequence(const SequenceOptions& options,
                                               const DistortedCamera& camera = kDefaultCamera,
                                               const Trajectory& recorded = {});
