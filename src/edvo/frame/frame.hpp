@@ -11,13 +11,13 @@
 namespace edvo {
 
 struct FrameOptions {
-  int levels = 4;
+  int levels = 6;
 };
 
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, FrameOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("levels", self.levels, Range{1, 8}, "pyramid levels, the full image included (abstract)");
+  visit("levels", self.levels, Range{1, 8}, "pyramid levels, the full image included; the paper's four and coarser ones");
 }
 
 struct Level {

@@ -56,6 +56,23 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("detector", self.detector, Range{}, "none: every pixel with depth and gradient (dense)");
 }
 
+// Where tracking starts: all of the last image, coarse, against the new one.
+struct CoarseOptions {
+  bool enabled = true;
+  int finest_level = 3;
+  int coarsest_level = 5;
+  int step = 16;  // [px]
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, CoarseOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("enabled", self.enabled, Range{}, "start from the motion between whole coarse images");
+  visit("finest_level", self.finest_level, Range{0, 7}, "last pyramid level used");
+  visit("coarsest_level", self.coarsest_level, Range{0, 7}, "first pyramid level used");
+  visit("step", self.step, Range{1, 200}, "one point every so many pixels and rows [px]");
+}
+
 // When a frame becomes a keyframe (paper, section III-C, fig. 4).
 struct KeyframeOptions {
   int period = 20;           // frames, 0 = never by period
@@ -87,6 +104,7 @@ struct Config {
   NetworkOptions network;
   CornerOptions corners;
   SelectOptions selection;
+  CoarseOptions coarse;
   TrackOptions tracking;
   KeyframeOptions keyframes;
   WindowOptions window;
@@ -101,6 +119,7 @@ void visit_groups(Self& self, Visitor&& visit) {
   visit("network", self.network, "edges by a network (section III-A)");
   visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
+  visit("coarse", self.coarse, "first guess of a frame's motion");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");
   visit("keyframes", self.keyframes, "when a frame becomes a keyframe (section III-C)");
   visit("window", self.window, "joint refinement of the last keyframes");

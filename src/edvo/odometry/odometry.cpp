@@ -38,6 +38,25 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
+TrackOptions coarse_tracking(const Config& config) {
+  TrackOptions options = config.tracking;
+  options.finest_level = config.coarse.finest_level;
+  options.coarsest_level = config.coarse.coarsest_level;
+  options.step_tolerance = 0.05;
+  return options;
+}
+
+Reference make_coarse_reference(const Frame& frame, const Config& config) {
+  Reference reference = make_reference(
+      frame, grid_pixels(frame, config.coarse.step, config.selection), config.tracking.softness,
+      std::min(config.coarse.finest_level, static_cast<int>(frame.levels.size()) - 1),
+      config.coarse.coarsest_level);
+  if (config.tracking.geometric > 0)
+    reference.surface = make_surface(frame.depth, frame.levels.front().camera,
+                                     2 * config.coarse.step, config.tracking.depth_noise);
+  return reference;
+}
+
 std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames_since_keyframe,
                                            const KeyframeOptions& options) {
   if (options.period > 0 && frames_since_keyframe >= options.period) return KeyframeReason::kPeriod;
@@ -57,8 +76,9 @@ struct Odometry::State {
   std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
   LocalMap map;                           // keyframes and their joint refinement
   Reference reference;                    // of the last keyframe
-  Alignment alignment;                    // of the last tracked frame to the last keyframe
-  SE3 last_from_cur;                      // motion of the last two tracked frames
+  Reference last_image;                   // the last frame, whole but coarse
+  Alignment alignment;                    // of the last frame to the last keyframe
+  SE3 last_from_cur;                      // motion of the last two frames
   std::vector<FrameLink> frames;          // tracked frames
   std::optional<Stamp> newest;            // of all images
   std::int64_t images = 0;
@@ -66,7 +86,8 @@ struct Odometry::State {
   int lost_in_a_row = 0;   // frames
 
   void check_input(const RgbdImage& image) const;
-  TrackResult align(const Frame& frame) const;
+  std::vector<Alignment> guesses(const Frame& frame) const;
+  TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses) const;
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
@@ -89,17 +110,41 @@ void Odometry::State::check_input(const RgbdImage& image) const {
                                        ": not later than the one before, " + to_string(*newest));
 }
 
-// From the better of two guesses, the motion going on or standing still; from the other if that
-// fails.
-TrackResult Odometry::State::align(const Frame& frame) const {
-  const Alignment still = alignment;
-  Alignment moving = alignment;
-  moving.cur_from_ref = inverse(last_from_cur) * alignment.cur_from_ref;
-  const bool start_moving = coarse_cost(reference, frame, moving, config.tracking) <=
-                            coarse_cost(reference, frame, still, config.tracking);
-  const TrackResult first = track(reference, frame, start_moving ? moving : still, config.tracking);
-  if (first.status == TrackStatus::kTracked) return first;
-  return track(reference, frame, start_moving ? still : moving, config.tracking);
+// Where the frame could be: moved on as before, or as whole coarse images tell, or standing still.
+// The likeliest first.
+std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
+  std::vector<SE3> motions = {inverse(last_from_cur), SE3{}};
+  if (config.coarse.enabled) {
+    const Alignment moving{.cur_from_ref = motions.front(), .gain = 1, .bias = 0};
+    const TrackOptions options = coarse_tracking(config);
+    const bool start_moving = coarse_cost(last_image, frame, moving, options) <=
+                              coarse_cost(last_image, frame, Alignment{}, options);
+    const TrackResult coarse =
+        track(last_image, frame, start_moving ? moving : Alignment{}, options);
+    if (coarse.status == TrackStatus::kTracked)
+      motions.insert(motions.begin(), coarse.alignment.cur_from_ref);
+  }
+  std::vector<std::pair<double, Alignment>> all;
+  for (const SE3& motion : motions) {
+    Alignment guess = alignment;
+    guess.cur_from_ref = motion * alignment.cur_from_ref;
+    all.emplace_back(coarse_cost(reference, frame, guess, config.tracking), guess);
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Alignment> sorted;
+  for (const auto& [cost, guess] : all) sorted.push_back(guess);
+  return sorted;
+}
+
+// From the likeliest guess; from the others if that fails.
+TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignment>& guesses) const {
+  TrackResult result;
+  for (const Alignment& guess : guesses) {
+    result = track(reference, frame, guess, config.tracking);
+    if (result.status == TrackStatus::kTracked) break;
+  }
+  return result;
 }
 
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
@@ -113,7 +158,8 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   const std::vector<SelectedPixel> pixels =
       select_pixels(frame, candidates, undistortion.valid, config.selection);
   if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
-  reference = make_reference(frame, pixels, config.tracking.softness);
+  reference = make_reference(frame, pixels, config.tracking.softness, config.tracking.finest_level,
+                             config.tracking.coarsest_level);
   if (config.tracking.geometric > 0)
     reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                                      config.tracking.depth_noise);
@@ -141,7 +187,8 @@ void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, Ke
 
 void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   Stopwatch watch;
-  const TrackResult result = align(frame);
+  const std::vector<Alignment> starts = guesses(frame);
+  const TrackResult result = align(frame, starts);
   report.milliseconds.tracking = watch.lap();
   report.levels = result.levels;
   report.overlap = result.overlap;
@@ -150,8 +197,9 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   report.points = result.levels.back().points;
   const SE3 world_from_key = map.keyframes().back().world_from_camera;
   if (result.status == TrackStatus::kLost) {
+    last_from_cur = alignment.cur_from_ref * inverse(starts.front().cur_from_ref);
+    alignment = starts.front();
     report.world_from_camera = world_from_key * inverse(alignment.cur_from_ref);
-    last_from_cur = {};
     if (++lost_in_a_row > config.keyframes.patience)
       start(frame, report.world_from_camera, KeyframeReason::kLost, report);
     return;
@@ -199,6 +247,7 @@ FrameReport Odometry::process(const RgbdImage& image) {
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
   else
     s.follow(frame, report);
+  if (s.config.coarse.enabled) s.last_image = make_coarse_reference(frame, s.config);
   report.milliseconds.total = total.lap();
   return report;
 }

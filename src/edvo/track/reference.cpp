@@ -21,7 +21,7 @@ std::array<float, 6> intensity_jacobian(const Camera& camera, const Eigen::Vecto
 }  // namespace
 
 Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& pixels,
-                         double softness) {
+                         double softness, int finest, int coarsest) {
   Reference reference;
   const Camera& full = frame.levels.front().camera;
   for (std::size_t l = 0; l < frame.levels.size(); ++l) {
@@ -35,6 +35,10 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
                          .intensity = {},
                          .weight = {},
                          .jacobian = {}};
+    if (static_cast<int>(l) < finest || static_cast<int>(l) > coarsest) {
+      reference.levels.push_back(std::move(level));
+      continue;
+    }
     for (const SelectedPixel& selected : pixels) {
       const float u = static_cast<float>(selected.pixel.x) * scale;
       const float v = static_cast<float>(selected.pixel.y) * scale;

@@ -26,8 +26,8 @@ struct Reference {
 
 // Builds what the inverse-compositional alignment needs: at each level the points' intensities and
 // the derivative of intensity by a motion of the point, both from the keyframe's own bilinear
-// image.
+// image. Only levels from finest to coarsest are filled.
 [[nodiscard]] Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& pixels,
-                                       double softness);
+                                       double softness, int finest = 0, int coarsest = 100);
 
 }  // namespace edvo

@@ -96,4 +96,15 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
   return spread(std::move(pixels), gray.cols, options.cell, options.max_points);
 }
 
+std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const SelectOptions& options) {
+  std::vector<SelectedPixel> pixels;
+  for (int y = step / 2; y < frame.depth.rows; y += step)
+    for (int x = step / 2; x < frame.depth.cols; x += step) {
+      const float z = frame.depth(y, x);
+      if (z >= static_cast<float>(options.min_depth) && z <= static_cast<float>(options.max_depth))
+        pixels.push_back({{x, y}, z, 0.F});
+    }
+  return pixels;
+}
+
 }  // namespace edvo

@@ -53,6 +53,11 @@ struct SelectedPixel {
                                                        const cv::Mat_<std::uint8_t>& valid,
                                                        const SelectOptions& options);
 
+// Every step-th pixel of every step-th row that has a trusted depth: for coarse alignment of whole
+// images.
+[[nodiscard]] std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step,
+                                                     const SelectOptions& options);
+
 // At most `limit` of them: the strongest of every cell, then the second of every cell, and so on.
 // width: of the image [px].
 [[nodiscard]] std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int width,
