@@ -80,7 +80,7 @@ struct KeyframeOptions {
   double rotation = 0.15;    // [rad]
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
-  int patience = 10;         // frames
+  int patience = 2;           // frames
 };
 
 template <typename Self, typename Visitor>

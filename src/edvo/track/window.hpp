@@ -14,10 +14,10 @@ namespace edvo {
 
 struct WindowOptions {
   int keyframes = 7;
-  int anchors = 5;
+  int anchors = 4;
   int memory = 100;
-  int points = 400;
-  int iterations = 5;
+  int points = 200;
+  int iterations = 3;
   double tolerance = 1e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]
