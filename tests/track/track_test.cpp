@@ -75,7 +75,7 @@ TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
   const Reference reference = make_reference(frame, pixels, 40);
   const ReferenceLevel& level = reference.levels[0];
   constexpr double kStep = 1e-5;
-  for (std::size_t i = 0; i < level.x.size(); ++i)
+  for (std::size_t i = 0; i < level.count; ++i)
     for (int k = 0; k < 6; ++k) {
       const Eigen::Vector3d p(level.x[i], level.y[i], level.z[i]);
       const auto intensity = [&](double step) {

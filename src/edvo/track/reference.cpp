@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/reference.hpp"
 
+#include "edvo/core/lanes.hpp"
 #include "edvo/track/bilinear.hpp"
 
 namespace edvo {
@@ -29,6 +30,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
     const float scale = 1.F / static_cast<float>(1 << l);
     const float softness_squared = static_cast<float>(softness * softness);
     ReferenceLevel level{.camera = source.camera,
+                         .count = 0,
                          .x = {},
                          .y = {},
                          .z = {},
@@ -55,6 +57,11 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
       const std::array<float, 6> J = intensity_jacobian(source.camera, p, gx, gy);
       for (std::size_t k = 0; k < 6; ++k) level.jacobian[k].push_back(J[k]);
     }
+    level.count = level.x.size();
+    const std::size_t length = padded(level.count);
+    for (std::vector<float>* array : {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
+      array->resize(length);
+    for (std::vector<float>& array : level.jacobian) array.resize(length);
     reference.levels.push_back(std::move(level));
   }
   return reference;

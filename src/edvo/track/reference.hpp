@@ -10,9 +10,11 @@
 
 namespace edvo {
 
-// Structure of arrays: the inner loops run over points. All arrays have the same length.
+// Structure of arrays: the inner loops run over points. All arrays have the same length, padded by
+// points of zeros so that eight can be read at a time (core/lanes.hpp).
 struct ReferenceLevel {
   Camera camera;
+  std::size_t count = 0;                       // of points
   std::vector<float> x, y, z;                  // in the keyframe camera [m]
   std::vector<float> intensity;                // [grey levels]
   std::vector<float> weight;                   // 1 / (1 + (gradient / softness)^2)

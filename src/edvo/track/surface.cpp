@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/surface.hpp"
 
+#include "edvo/core/lanes.hpp"
+
 #include <cmath>
 
 namespace edvo {
@@ -57,6 +59,10 @@ SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera, i
       surface.ny.push_back(plane.b * fy);
       surface.nz.push_back(plane.c - plane.a * fx * x - plane.b * fy * y);
     }
+  const std::size_t length = padded(surface.x.size());
+  for (std::vector<float>* array :
+       {&surface.x, &surface.y, &surface.z, &surface.nx, &surface.ny, &surface.nz})
+    array->resize(length);
   return surface;
 }
 

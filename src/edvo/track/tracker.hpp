@@ -3,6 +3,7 @@
 #pragma once
 
 #include "edvo/core/se3.hpp"
+#include "edvo/track/photometric.hpp"
 #include "edvo/track/reference.hpp"
 #include "edvo/track/robust.hpp"
 
@@ -56,13 +57,6 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("min_correlation", self.min_correlation, Range{-1, 1},
         "correlation of the points' intensities in both images, below which a frame is lost");
 }
-
-// The pose of a frame and its brightness: I_current = gain * I_reference + bias.
-struct Alignment {
-  SE3 cur_from_ref;
-  double gain = 1;
-  double bias = 0;  // [grey levels]
-};
 
 // One pyramid level of one frame's alignment.
 struct LevelStats {

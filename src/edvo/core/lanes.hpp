@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// Eight numbers at a time, through the compiler's vector types: the same bits on every machine,
+// one instruction where it has AVX2, two or more elsewhere (docs/adr).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace edvo {
+
+constexpr std::size_t kLanes = 8;
+
+using Floats = float __attribute__((vector_size(32), aligned(4), may_alias));
+using Ints = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
+
+// Arrays of `count` numbers that are read by lanes have this length, zeros at their end.
+[[nodiscard]] constexpr std::size_t padded(std::size_t count) {
+  return (count + kLanes - 1) / kLanes * kLanes;
+}
+
+// By reference, because how vectors are passed and returned depends on the instruction set.
+[[gnu::always_inline]] inline const Floats& lanes(const float* p) {
+  return *reinterpret_cast<const Floats*>(p);
+}
+
+[[gnu::always_inline]] inline Floats& lanes(float* p) {
+  return *reinterpret_cast<Floats*>(p);
+}
+
+}  // namespace edvo
