@@ -5,13 +5,16 @@ The standard code finds the assignment of least cost where leaving a pixel alone
 radius, so it first of all matches as many pixels as can be matched. Scores count matches and nothing
 else; the size of a maximum matching is therefore the same number.
 """
+import ctypes
+import hashlib
+import os
+import subprocess
+import tempfile
 from functools import lru_cache
+from pathlib import Path
 
 import cv2
 import numpy as np
-from scipy.ndimage import map_coordinates
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 TOLERANCE = 0.0075  # of the diagonal
 
@@ -82,28 +85,29 @@ def thin(mask):
             return image > 0
 
 
-@lru_cache(16)
-def disk(radius):
-    reach = int(radius)
-    dy, dx = np.mgrid[-reach:reach + 1, -reach:reach + 1]
-    near = dy ** 2 + dx ** 2 <= radius ** 2
-    return list(zip(dy[near], dx[near]))
+@lru_cache(1)
+def matcher():
+    """matching.cpp, compiled once for each state of that file."""
+    source = Path(__file__).with_name("matching.cpp")
+    digest = hashlib.sha256(source.read_bytes()).hexdigest()[:16]
+    library = Path(tempfile.gettempdir()) / f"edvo_matching_{os.getuid()}_{digest}.so"
+    if not library.exists():
+        part = library.with_suffix(f".{os.getpid()}")
+        subprocess.run([os.environ.get("CXX", "c++"), "-O3", "-shared", "-fPIC", "-std=c++17",
+                        str(source), "-o", str(part)], check=True)
+        part.replace(library)
+    function = ctypes.CDLL(str(library)).count_matches
+    mask = np.ctypeslib.ndpointer(np.uint8, 2, flags="C_CONTIGUOUS")
+    function.argtypes = [mask, mask, ctypes.c_int, ctypes.c_int, ctypes.c_double]
+    return function
 
 
 def count_matches(found, truth, radius):
     """How many pixels of one mask can be paired with one of the other, each used once."""
-    reach = int(radius)
-    number = np.full((truth.shape[0] + 2 * reach, truth.shape[1] + 2 * reach), -1, np.int32)
-    inner = number[reach:reach + truth.shape[0], reach:reach + truth.shape[1]]
-    inner[truth] = np.arange(np.count_nonzero(truth))
-    y, x = np.nonzero(found)
-    near = np.stack([number[y + reach + dy, x + reach + dx] for dy, dx in disk(radius)], 1)
-    row, column = np.nonzero(near >= 0)
-    if len(row) == 0:
-        return 0
-    graph = csr_matrix((np.ones(len(row), np.uint8), (row, near[row, column])),
-                       shape=(len(y), np.count_nonzero(truth)))
-    return int(np.count_nonzero(maximum_bipartite_matching(graph, perm_type="column") >= 0))
+    if found.shape != truth.shape:
+        raise ValueError(f"masks of {found.shape} and {truth.shape}")
+    return matcher()(np.ascontiguousarray(found, np.uint8), np.ascontiguousarray(truth, np.uint8),
+                     *truth.shape, radius)
 
 
 def counts_of(masks, truth):
