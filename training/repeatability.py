@@ -89,7 +89,7 @@ def densest(detector, bgr, density):
             mask = detector.at(bgr, middle)
             low, high = (middle, high) if np.count_nonzero(mask) > wanted else (low, middle)
         return mask
-    crests = benchmark.suppress(detector(bgr))
+    crests = benchmark.crests(detector(bgr))
     strength = np.sort(crests[crests > 0])[::-1]
     return crests >= strength[min(int(wanted), len(strength) - 1)]
 
