@@ -21,20 +21,20 @@ def images_of(folder, name, half):
         bgr, drawn = data.read(image), data.read(label, cv2.IMREAD_GRAYSCALE)
         if half:
             bgr = data.shrink(bgr, 0.5)
-            drawn = data.shrink(drawn, 0.5)
-        yield bgr, benchmark.thin(drawn > 0)
+            drawn = benchmark.thin(data.shrink(drawn, 0.5) > 0)
+        yield bgr, drawn > 0
 
 
-def masks_of(detector, bgr, thresholds):
-    """One thin edge mask for each threshold."""
+def masks_of(detector, bgr, thresholds, thin):
+    """One edge mask for each threshold."""
     if isinstance(detector, detectors.Canny):
         return [detector.at(bgr, t) for t in thresholds]
     crests = benchmark.suppress(detector(bgr))
-    return [benchmark.thin(crests >= t) for t in thresholds]
+    return [benchmark.thin(crests >= t) if thin else crests >= t for t in thresholds]
 
 
-def score(detector, images, thresholds):
-    counts = [benchmark.counts_of(masks_of(detector, bgr, thresholds), truth)
+def score(detector, images, thresholds, thin=False):
+    counts = [benchmark.counts_of(masks_of(detector, bgr, thresholds, thin), truth)
               for bgr, truth in images]
     return benchmark.summary(counts, thresholds)
 
@@ -45,6 +45,7 @@ def main():
     parser.add_argument("--data", required=True)
     parser.add_argument("--set", choices=["uded", "test", "held_out"], default="uded")
     parser.add_argument("--half", action="store_true", help="at half resolution (BIPEDv2)")
+    parser.add_argument("--thin", action="store_true", help="thin the crests once more")
     parser.add_argument("--thresholds", type=int, default=33, help="99 is the standard")
     parser.add_argument("--images", type=int, help="only the first so many")
     parser.add_argument("detectors", nargs="+", help="canny, FILE.toml, or a teacher's FILE.onnx")
@@ -53,7 +54,7 @@ def main():
     thresholds = (np.arange(1, options.thresholds + 1) / (options.thresholds + 1)) ** 2
     images = list(images_of(options.data, options.set, options.half))[:options.images]
     for name in options.detectors:
-        result = score(detectors.make(name), images, thresholds)
+        result = score(detectors.make(name), images, thresholds, options.thin)
         print(json.dumps({"detector": name} | {k: round(v, 4) for k, v in result.items()}),
               flush=True)
 
