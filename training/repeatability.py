@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""Share of edge pixels found again within 1 pixel in another view, at equal edge density.
+
+Edges of one image, lifted by the true depth, moved by the true poses and projected, are looked for
+among the edges of the image some frames later. Every detector keeps the same share of the pixels of
+each image: networks their strongest crests, Canny by its threshold. Pixels at jumps of depth, without
+depth, hidden in the other view or outside of it are left out.
+
+python3 training/repeatability.py SEQUENCE canny models/edvo_edges.toml [--density 0.04]
+"""
+import argparse
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+import benchmark
+import detectors
+
+CAMERAS = {"freiburg1": (517.3, 516.5, 318.6, 255.3), "synth": (525.0, 525.0, 319.5, 239.5)}
+JUMP = 0.04  # of depth, between neighbours
+HIDDEN = 0.05  # of depth: what lies this much nearer in the other view hides the point
+ASSOCIATION = 0.02  # [s]
+
+
+def rows(path):
+    lines = [l.split() for l in Path(path).read_text().splitlines() if l and not l.startswith("#")]
+    return [(float(l[0]), l[1:]) for l in lines]
+
+
+def nearest(table, time):
+    index = int(np.argmin(np.abs(np.array([t for t, _ in table]) - time)))
+    return table[index][1] if abs(table[index][0] - time) <= ASSOCIATION else None
+
+
+def pose(fields):
+    """world_from_camera, 4 x 4, of tx ty tz qx qy qz qw."""
+    tx, ty, tz, x, y, z, w = map(float, fields)
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    matrix[:3, 3] = tx, ty, tz
+    return matrix
+
+
+def frames(folder):
+    """(image, depth [m], world_from_camera) for every image that has both."""
+    folder = Path(folder)
+    depths, poses = rows(folder / "depth.txt"), rows(folder / "groundtruth.txt")
+    found = []
+    for time, (name,) in rows(folder / "rgb.txt"):
+        depth, where = nearest(depths, time), nearest(poses, time)
+        if depth and where:
+            found.append((folder / name, folder / depth[0], pose(where)))
+    return found
+
+
+def read_depth(path):
+    return cv2.imread(str(path), cv2.IMREAD_UNCHANGED).astype(np.float32) / 5000
+
+
+def smooth_surface(depth):
+    """Pixels with depth whose neighbours lie on the same surface."""
+    filled = np.where(depth > 0, depth, np.inf)
+    low = cv2.erode(filled.astype(np.float32), np.ones((5, 5)))
+    high = cv2.dilate(np.where(depth > 0, depth, 0).astype(np.float32), np.ones((5, 5)))
+    return (depth > 0) & (high - low < JUMP * depth)
+
+
+def project(points, depth, camera, to_from):
+    """Pixels (x, y) with depth -> pixels of the other camera, and the depth there."""
+    fx, fy, cx, cy = camera
+    x, y = points[:, 0], points[:, 1]
+    lifted = np.stack([(x - cx) / fx * depth, (y - cy) / fy * depth, depth], 1)
+    moved = lifted @ to_from[:3, :3].T + to_from[:3, 3]
+    z = np.maximum(moved[:, 2], 1e-6)
+    return np.stack([moved[:, 0] / z * fx + cx, moved[:, 1] / z * fy + cy], 1), z
+
+
+def densest(detector, bgr, density):
+    """Edges that cover this share of the image."""
+    wanted = density * bgr.shape[0] * bgr.shape[1]
+    if isinstance(detector, detectors.Canny):
+        low, high = 0.0, 1.0
+        for _ in range(10):
+            middle = (low + high) / 2
+            mask = detector.at(bgr, middle)
+            low, high = (middle, high) if np.count_nonzero(mask) > wanted else (low, middle)
+        return mask
+    crests = benchmark.crests(detector(bgr))
+    strength = np.sort(crests[crests > 0])[::-1]
+    return crests >= strength[min(int(wanted), len(strength) - 1)]
+
+
+def found_again(edges, depth, other_edges, other_depth, camera, to_from):
+    """How many edge pixels can be judged, and how many are found again."""
+    y, x = np.nonzero(edges & smooth_surface(depth))
+    points, z = project(np.stack([x, y], 1).astype(np.float64), depth[y, x], camera, to_from)
+    column, row = np.rint(points).astype(int).T
+    inside = (column >= 1) & (row >= 1) & (column < edges.shape[1] - 1) & (row < edges.shape[0] - 1)
+    points, z, column, row = points[inside], z[inside], column[inside], row[inside]
+    seen = other_depth[row, column]
+    judged = (seen > 0) & (np.abs(seen - z) < HIDDEN * z)
+    distance = cv2.distanceTransform((~other_edges).astype(np.uint8), cv2.DIST_L2, 5)
+    within = cv2.remap(distance, points[:, 0].astype(np.float32)[:, None],
+                       points[:, 1].astype(np.float32)[:, None], cv2.INTER_LINEAR)[:, 0] <= 1
+    return int(judged.sum()), int((judged & within).sum())
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sequence", help="a folder in TUM's layout")
+    parser.add_argument("detectors", nargs="+", help="canny, FILE.toml, or a teacher's FILE.onnx")
+    parser.add_argument("--camera", choices=CAMERAS, default="freiburg1")
+    parser.add_argument("--apart", type=int, default=10, help="[frames]")
+    parser.add_argument("--pairs", type=int, default=30)
+    parser.add_argument("--density", type=float, default=0.04, help="edge pixels / pixels")
+    options = parser.parse_args()
+    cv2.setNumThreads(1)
+    every = frames(options.sequence)
+    starts = np.linspace(0, len(every) - 1 - options.apart, options.pairs).astype(int)
+    named = [(name, detectors.make(name)) for name in options.detectors]
+    sums = {name: np.zeros(3) for name, _ in named}
+    for start in starts:
+        (image, depth, pose_a), (other, other_depth, pose_b) = every[start], every[start + options.apart]
+        images = [cv2.imread(str(p)) for p in (image, other)]
+        depths = [read_depth(p) for p in (depth, other_depth)]
+        for name, detector in named:
+            a, b = (densest(detector, i, options.density) for i in images)
+            judged, again = found_again(a, depths[0], b, depths[1], CAMERAS[options.camera],
+                                        np.linalg.inv(pose_b) @ pose_a)
+            # What a random mask of the same density would reach, to read the share against.
+            chance = cv2.dilate(b.astype(np.uint8), np.ones((3, 3))).mean()
+            sums[name] += [judged, again, judged * chance]
+    for name, (judged, again, chance) in sums.items():
+        print(json.dumps({"detector": name, "found_again": round(again / judged, 4),
+                          "by_chance": round(chance / judged, 4), "pixels": int(judged)}))
+
+
+if __name__ == "__main__":
+    main()
