@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/edge/network.hpp"
 
+#include "edvo/core/sha256.hpp"
 #include "edvo/edge/onnx_outputs.hpp"
 #include "support/error_matcher.hpp"
 #include "support/tiny_network.hpp"
@@ -174,9 +175,19 @@ TEST_F(Network, RefusesAnImageSmallerThanItsStride) {
   EXPECT_TRUE(make_network_detector(model_, {33, 32}));
 }
 
-TEST_F(Network, NeedsADescription) {
-  EXPECT_TRUE(fails_with(ErrorCode::kModel, {"network.model is empty", "--model FILE"},
-                         [] { (void)open_network({}, kSize); }));
+TEST_F(Network, IsEdvosOwnWhereNoneIsNamed) {
+  // A dark square on a light ground: its border is an edge, its middle is none.
+  cv::Mat_<cv::Vec3b> image(96, 128, cv::Vec3b(200, 200, 200));
+  image(cv::Rect(40, 30, 40, 40)) = cv::Vec3b(60, 60, 60);
+  const cv::Mat_<float> strength = open_network({}, image.size())->detect(image);
+  float border = 0;
+  for (int x = 38; x <= 41; ++x) border = std::max(border, strength(50, x));
+  EXPECT_GT(border, 0.5F);
+  EXPECT_LT(strength(50, 60), 0.2F);
+  EXPECT_EQ(own_model().description.sha256, sha256(own_model().weights));
+}
+
+TEST_F(Network, IsTheOneNamed) {
   EXPECT_TRUE(open_network({.model = test::kTinyModel.string()}, kSize));
 }
 

@@ -58,7 +58,9 @@ TEST(Odometry, KeyframesComeByPeriod) {
     const FrameReport report = odometry.process(view(i, {}));
     const bool expected = i % 4 == 0;
     EXPECT_EQ(report.keyframe.has_value(), expected) << i;
-    if (i > 0 && expected) EXPECT_EQ(report.keyframe, KeyframeReason::kPeriod);
+    if (i > 0 && expected) {
+      EXPECT_EQ(report.keyframe, KeyframeReason::kPeriod);
+    }
   }
 }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/edge/corners.hpp"
 
+#include "edvo/core/simd.hpp"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -48,25 +51,104 @@ std::vector<Corner> extract_again(std::vector<Corner> candidates, const CornerOp
   return kept;
 }
 
+// Half of a Gaussian kernel, its centre first.
+std::vector<float> gaussian(double sigma) {
+  const int radius = static_cast<int>(std::ceil(4 * sigma));
+  std::vector<float> half;
+  double sum = 0;
+  for (int i = 0; i <= radius; ++i) {
+    half.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
+    sum += (i == 0 ? 1 : 2) * static_cast<double>(half.back());
+  }
+  for (float& weight : half) weight /= static_cast<float>(sum);
+  return half;
+}
+
+// Row by row, so that everything between the image and the response stays in the cache.
+struct RowBuffers {
+  RowBuffers(int columns, int radius) {
+    for (auto& row : products) row.resize(static_cast<std::size_t>(columns + 2 * radius));
+    for (auto& row : sums) row.resize(static_cast<std::size_t>(columns));
+  }
+  std::array<std::vector<float>, 3> products;  // xx, xy, yy
+  std::array<std::vector<float>, 3> sums;      // of them over the window
+};
+
+// Squares and product of Sobel's gradient, from three rows of count + 2 pixels.
+EDVO_CLONES void gradient_products(const float* above, const float* row, const float* below,
+                                   int count, RowBuffers& buffers) {
+  float* __restrict xx = buffers.products[0].data();
+  float* __restrict xy = buffers.products[1].data();
+  float* __restrict yy = buffers.products[2].data();
+  for (int x = 0; x < count; ++x) {
+    const float gx = 0.125F * ((above[x + 2] - above[x]) + 2 * (row[x + 2] - row[x]) +
+                               (below[x + 2] - below[x]));
+    const float gy = 0.125F * ((below[x] - above[x]) + 2 * (below[x + 1] - above[x + 1]) +
+                               (below[x + 2] - above[x + 2]));
+    xx[x] = gx * gx;
+    xy[x] = gx * gy;
+    yy[x] = gy * gy;
+  }
+}
+
+// in: count + 2 radius values.
+EDVO_CLONES void blur_row(const float* in, const std::vector<float>& kernel, int count,
+                          float* __restrict out) {
+  const int radius = static_cast<int>(kernel.size()) - 1;
+  const float* centre = in + radius;
+  for (int x = 0; x < count; ++x) out[x] = kernel[0] * centre[x];
+  for (int i = 1; i <= radius; ++i) {
+    const float weight = kernel[static_cast<std::size_t>(i)];
+    for (int x = 0; x < count; ++x) out[x] += weight * (centre[x - i] + centre[x + i]);
+  }
+}
+
+// Around row `middle` of a ring of `length` rows that starts at row `first` of the matrix.
+EDVO_CLONES void blur_column(const cv::Mat_<float>& ring, int first, int length, int middle,
+                             const std::vector<float>& kernel, float* __restrict out) {
+  const float* centre = ring[first + middle % length];
+  for (int x = 0; x < ring.cols; ++x) out[x] = kernel[0] * centre[x];
+  for (int i = 1; i < static_cast<int>(kernel.size()); ++i) {
+    const float weight = kernel[static_cast<std::size_t>(i)];
+    const float* above = ring[first + (middle - i) % length];
+    const float* below = ring[first + (middle + i) % length];
+    for (int x = 0; x < ring.cols; ++x) out[x] += weight * (above[x] + below[x]);
+  }
+}
+
+EDVO_CLONES void smaller_eigenvalue(const float* xx, const float* xy, const float* yy, int count,
+                                    float* __restrict out) {
+  for (int x = 0; x < count; ++x) {
+    const float mean = 0.5F * (xx[x] + yy[x]);
+    const float half = 0.5F * (xx[x] - yy[x]);
+    out[x] = mean - std::sqrt(half * half + xy[x] * xy[x]);
+  }
+}
+
 }  // namespace
 
 cv::Mat_<float> min_eigenvalue(const cv::Mat_<float>& image, double window_sigma) {
-  cv::Mat_<float> gx, gy;
-  cv::Sobel(image, gx, CV_32F, 1, 0, 3, 1.0 / 8);
-  cv::Sobel(image, gy, CV_32F, 0, 1, 3, 1.0 / 8);
-  cv::Mat xx = gx.mul(gx), xy = gx.mul(gy), yy = gy.mul(gy);
-  for (cv::Mat* product : {&xx, &xy, &yy}) cv::GaussianBlur(*product, *product, {}, window_sigma);
+  const std::vector<float> kernel = gaussian(window_sigma);
+  const int radius = static_cast<int>(kernel.size()) - 1;
+  cv::Mat_<float> wide;  // one more pixel all around for the differences
+  cv::copyMakeBorder(image, wide, radius + 1, radius + 1, radius + 1, radius + 1,
+                     cv::BORDER_REFLECT_101);
+  const int length = 2 * radius + 1;
+  RowBuffers buffers(image.cols, radius);
+  cv::Mat_<float> blurred(3 * length, image.cols);  // the last rows of xx, xy and yy, in a ring
   cv::Mat_<float> response(image.size());
-  for (int y = 0; y < image.rows; ++y) {
-    const float* row_xx = xx.ptr<float>(y);
-    const float* row_xy = xy.ptr<float>(y);
-    const float* row_yy = yy.ptr<float>(y);
-    float* row = response[y];
-    for (int x = 0; x < image.cols; ++x) {
-      const float mean = 0.5F * (row_xx[x] + row_yy[x]);
-      const float half = 0.5F * (row_xx[x] - row_yy[x]);
-      row[x] = mean - std::sqrt(half * half + row_xy[x] * row_xy[x]);
-    }
+  for (int y = 0; y < wide.rows - 2; ++y) {
+    gradient_products(wide[y], wide[y + 1], wide[y + 2], wide.cols - 2, buffers);
+    const int slot = y % length;
+    for (int p = 0; p < 3; ++p)
+      blur_row(buffers.products[static_cast<std::size_t>(p)].data(), kernel, image.cols,
+               blurred[p * length + slot]);
+    if (y < 2 * radius) continue;
+    for (int p = 0; p < 3; ++p)
+      blur_column(blurred, p * length, length, y - radius, kernel,
+                  buffers.sums[static_cast<std::size_t>(p)].data());
+    smaller_eigenvalue(buffers.sums[0].data(), buffers.sums[1].data(), buffers.sums[2].data(),
+                       image.cols, response[y - 2 * radius]);
   }
   return response;
 }

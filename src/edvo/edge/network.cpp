@@ -189,11 +189,7 @@ class NetworkDetector final : public EdgeDetector {
 };
 
 Model model_of(const NetworkOptions& options) {
-  if (options.model.empty())
-    throw Error(ErrorCode::kModel,
-                "network.model is empty: edges by a network need one; give its description file "
-                "with --model FILE, or choose --method canny+corner");
-  return read_model(options.model);
+  return options.model.empty() ? own_model() : read_model(options.model);
 }
 
 }  // namespace

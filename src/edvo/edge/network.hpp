@@ -15,7 +15,7 @@ namespace edvo {
 struct Model;  // edvo/io/model_file.hpp
 
 struct NetworkOptions {
-  std::string model;       // path of a description
+  std::string model;       // path of a description; empty = edvo's own network
   double threshold = 0.5;  // [0..1]
   bool suppress = true;
 };
@@ -23,7 +23,7 @@ struct NetworkOptions {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, NetworkOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("model", self.model, Range{}, "description file of the network (docs/models.md)");
+  visit("model", self.model, Range{}, "description file of the network (docs/models.md); empty = edvo's own");
   visit("threshold", self.threshold, Range{0, 1}, "least strength of an edge pixel [0..1]");
   visit("suppress", self.suppress, Range{}, "thin edges to their strongest line, one pixel wide");
 }
@@ -35,7 +35,7 @@ void visit_fields(Self& self, Visitor&& visit) {
 [[nodiscard]] std::unique_ptr<EdgeDetector> make_network_detector(const Model& model,
                                                                   cv::Size image_size);
 
-// The same for the description file of the options. Throws Error(kModel) if they name none.
+// The same for the description file of the options, or edvo's own network if they name none.
 [[nodiscard]] std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options,
                                                          cv::Size image_size);
 

@@ -7,6 +7,10 @@
 #include <fmt/core.h>
 
 namespace edvo {
+
+// Written by cmake/embed.cmake from models/.
+extern const std::string_view kOwnNetworkDescription, kOwnNetworkWeights;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,6 +53,13 @@ Model read_model(const fs::path& description, const fs::path& onnx) {
                             "the one described",
                             model.source, found, description.string(), expected));
   return model;
+}
+
+Model own_model() {
+  const std::string source = "edvo's own network";
+  return {.description = model_description_from_toml(kOwnNetworkDescription, source),
+          .weights = std::string(kOwnNetworkWeights),
+          .source = source};
 }
 
 }  // namespace edvo

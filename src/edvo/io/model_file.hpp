@@ -25,4 +25,7 @@ struct Model {
 
 [[nodiscard]] ModelDescription read_description(const std::filesystem::path& description);
 
+// The network that ships with edvo, trained by its authors (models/README.md).
+[[nodiscard]] Model own_model();
+
 }  // namespace edvo
