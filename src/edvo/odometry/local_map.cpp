@@ -34,7 +34,6 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
   std::vector<std::pair<double, std::size_t>>
       views;  // negated, so that sorting puts the best first
   for (std::size_t k = 0; k + free < count; ++k) {
-    recent_[k].image.release();
     const double view = shared_view(recent_.back(), recent_[k], camera);
     if (view > kSameView) views.emplace_back(-view, k);
   }
@@ -43,6 +42,8 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
   std::vector<std::size_t> members;
   for (const auto& [view, k] : views) members.push_back(k);
   std::sort(members.begin(), members.end());
+  for (std::size_t k = 0; k + free < count; ++k)
+    if (!std::binary_search(members.begin(), members.end(), k)) recent_[k].image.release();
   const int fixed = std::max(1, static_cast<int>(members.size()));
   for (std::size_t k = count - free; k < count; ++k) members.push_back(k);
 
