@@ -32,10 +32,10 @@ fs::path make_run_folder(const RunOptions& options, const std::string& sequence)
 }
 
 // The frame tracked, or why there is none.
-std::variant<FrameReport, Error> process(Odometry& odometry, const FetchedFrame& frame) {
+std::variant<FrameReport, Error> process(Odometry& odometry, const Fetched<PreparedImage>& frame) {
   if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
-    return odometry.process(std::get<RgbdImage>(frame.content));
+    return odometry.process_prepared(std::get<PreparedImage>(frame.content));
   } catch (const Error& error) {
     return error;
   }
@@ -75,9 +75,9 @@ std::unique_ptr<EdgeDetector> remembering_network(const RunOptions& options, con
 }
 
 // True if a signal ended it early.
-bool track_all(const FrameInput& input, Prefetch& frames, Odometry& odometry, Recorder& recorder,
-               Progress& progress) {
-  while (const std::optional<FetchedFrame> frame = frames.next()) {
+bool track_all(const FrameInput& input, Prefetch<PreparedImage>& frames, Odometry& odometry,
+               Recorder& recorder, Progress& progress) {
+  while (const std::optional<Fetched<PreparedImage>> frame = frames.next()) {
     const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
     std::variant<FrameReport, Error> result = process(odometry, *frame);
     if (FrameReport* report = std::get_if<FrameReport>(&result)) {
@@ -145,7 +145,8 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
   const StopSignal signal;  // also while the results are written
   RunOutcome outcome;
   const auto start = std::chrono::steady_clock::now();
-  Prefetch frames(input.read, input.count, {.threads = options.threads});
+  Prefetch frames([&](std::size_t i) { return odometry.prepare(input.read(i)); }, input.count,
+                  {.threads = options.threads});
   outcome.interrupted = track_all(input, frames, odometry, recorder, progress);
   outcome.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/io/prefetch.hpp"
 
+#include "edvo/core/image.hpp"
+
 #include <gtest/gtest.h>
 #include <atomic>
 #include <chrono>

@@ -4,6 +4,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/eval/evaluate.hpp"
 #include "edvo/io/dataset.hpp"
+#include "edvo/io/prefetch.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "support/matchers.hpp"
 #include "support/shared_data.hpp"
@@ -138,6 +139,25 @@ TEST(Odometry, GivesTheSameBitsTwice) {
     EXPECT_EQ(a[i].world_from_camera.translation, b[i].world_from_camera.translation);
     EXPECT_EQ(a[i].world_from_camera.rotation.coeffs(), b[i].world_from_camera.rotation.coeffs());
   }
+}
+
+TEST(Odometry, ImagesPreparedByAnotherThreadGiveTheSameBits) {
+  constexpr std::size_t kImages = 12;
+  Odometry direct({kVgaCamera, {}}, preset(Method::kCannyCorner));
+  Odometry stepwise({kVgaCamera, {}}, preset(Method::kCannyCorner));
+  const auto image = [](std::size_t i) {
+    return view(static_cast<int>(i), sideways(static_cast<int>(i)));
+  };
+  Prefetch prepared([&](std::size_t i) { return stepwise.prepare(image(i)); }, kImages,
+                    {.threads = 3});
+  while (const auto next = prepared.next()) {
+    const SE3 expected = direct.process(image(next->index)).world_from_camera;
+    const SE3 pose =
+        stepwise.process_prepared(std::get<PreparedImage>(next->content)).world_from_camera;
+    EXPECT_EQ(pose.translation, expected.translation) << next->index;
+    EXPECT_EQ(pose.rotation.coeffs(), expected.rotation.coeffs()) << next->index;
+  }
+  EXPECT_EQ(stepwise.trajectory().size(), kImages);
 }
 
 TEST(Odometry, DenseMethodFollowsToo) {

@@ -29,7 +29,7 @@ enum class KeyframeReason {
   kLost,     // tracking starts again here
 };
 
-// Where the time of a frame went. [ms]
+// Where the time of a frame went, on whatever thread. [ms]
 struct StageTimes {
   double frame = 0;      // undistortion and pyramids
   double edges = 0;      // edge detection, keyframes only

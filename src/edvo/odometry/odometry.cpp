@@ -85,7 +85,8 @@ struct Odometry::State {
   int since_keyframe = 0;  // frames
   int lost_in_a_row = 0;   // frames
 
-  void check_input(const RgbdImage& image) const;
+  void check_size(const RgbdImage& image) const;
+  void check_order(const Stamp& stamp) const;
   std::vector<Alignment> guesses(const Frame& frame) const;
   TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses) const;
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
@@ -94,7 +95,7 @@ struct Odometry::State {
              FrameReport& report);
 };
 
-void Odometry::State::check_input(const RgbdImage& image) const {
+void Odometry::State::check_size(const RgbdImage& image) const {
   const Camera& camera = undistortion.camera;
   const auto fits = [&](const cv::Mat& m) {
     return m.cols == camera.width && m.rows == camera.height;
@@ -105,8 +106,11 @@ void Odometry::State::check_input(const RgbdImage& image) const {
                                        size_text(image.depth.cols, image.depth.rows) +
                                        ", but the camera is " +
                                        size_text(camera.width, camera.height));
-  if (newest && image.stamp <= *newest)
-    throw Error(ErrorCode::kInput, "image " + to_string(image.stamp) +
+}
+
+void Odometry::State::check_order(const Stamp& stamp) const {
+  if (newest && stamp <= *newest)
+    throw Error(ErrorCode::kInput, "image " + to_string(stamp) +
                                        ": not later than the one before, " + to_string(*newest));
 }
 
@@ -138,7 +142,8 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
 }
 
 // From the likeliest guess; from the others if that fails.
-TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignment>& guesses) const {
+TrackResult Odometry::State::align(const Frame& frame,
+                                   const std::vector<Alignment>& guesses) const {
   TrackResult result;
   for (const Alignment& guess : guesses) {
     result = track(reference, frame, guess, config.tracking);
@@ -235,20 +240,32 @@ Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&&) noexcept = default;
 
+PreparedImage Odometry::prepare(const RgbdImage& image) const {
+  state_->check_size(image);
+  Stopwatch watch;
+  PreparedImage prepared{.frame = make_frame(image, state_->undistortion, state_->config.frame)};
+  prepared.milliseconds = watch.lap();
+  return prepared;
+}
+
 FrameReport Odometry::process(const RgbdImage& image) {
+  return process_prepared(prepare(image));
+}
+
+FrameReport Odometry::process_prepared(const PreparedImage& image) {
   State& s = *state_;
-  s.check_input(image);
-  s.newest = image.stamp;
-  Stopwatch total, watch;
-  FrameReport report{.index = s.images++, .stamp = image.stamp};
-  const Frame frame = make_frame(image, s.undistortion, s.config.frame);
-  report.milliseconds.frame = watch.lap();
+  const Frame& frame = image.frame;
+  s.check_order(frame.stamp);
+  s.newest = frame.stamp;
+  Stopwatch total;
+  FrameReport report{.index = s.images++, .stamp = frame.stamp};
+  report.milliseconds.frame = image.milliseconds;
   if (s.map.keyframes().empty())
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
   else
     s.follow(frame, report);
   if (s.config.coarse.enabled) s.last_image = make_coarse_reference(frame, s.config);
-  report.milliseconds.total = total.lap();
+  report.milliseconds.total = image.milliseconds + total.lap();
   return report;
 }
 

@@ -6,12 +6,19 @@
 #include "edvo/core/image.hpp"
 #include "edvo/core/trajectory.hpp"
 #include "edvo/edge/detector.hpp"
+#include "edvo/frame/frame.hpp"
 #include "edvo/odometry/config.hpp"
 #include "edvo/odometry/frame_report.hpp"
 
 #include <memory>
 
 namespace edvo {
+
+// An image with all done that needs no other image.
+struct PreparedImage {
+  Frame frame;
+  double milliseconds = 0;  // that it took [ms]
+};
 
 // The world frame is the camera frame of the first image that could be used.
 class Odometry {
@@ -27,6 +34,10 @@ class Odometry {
   // Images must come in the order of their stamps and be of the camera's size; otherwise throws
   // Error(kInput) and changes nothing.
   FrameReport process(const RgbdImage& image);
+
+  // The same in two steps: other threads may prepare the images to come, in any order.
+  [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const;
+  FrameReport process_prepared(const PreparedImage& image);
 
   // The best present estimate of every tracked frame so far: frames hang on their keyframe, so that
   // they follow when a later joint refinement moves it. Lost frames are left out.
