@@ -3,6 +3,7 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/odometry/local_map.hpp"
+#include "edvo/track/edge_distance.hpp"
 #include "edvo/track/selection.hpp"
 #include "edvo/track/surface.hpp"
 
@@ -43,6 +44,7 @@ TrackOptions coarse_tracking(const Config& config) {
   options.finest_level = config.coarse.finest_level;
   options.coarsest_level = config.coarse.coarsest_level;
   options.step_tolerance = 0.05;
+  options.edge_distance = 0;  // its points are a grid's, not edges'
   return options;
 }
 
@@ -163,6 +165,8 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   if (config.tracking.geometric > 0)
     reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                                      config.tracking.depth_noise);
+  if (config.tracking.edge_distance > 0)
+    reference.edge_points = edge_points(frame.edge_distance, undistortion.camera, pixels);
   report.milliseconds.selection = watch.lap();
   map.add(frame, world_from_camera, alignment, pixels, config);
   report.milliseconds.window = watch.lap();
@@ -241,7 +245,11 @@ FrameReport Odometry::process(const RgbdImage& image) {
   s.newest = image.stamp;
   Stopwatch total, watch;
   FrameReport report{.index = s.images++, .stamp = image.stamp};
-  const Frame frame = make_frame(image, s.undistortion, s.config.frame);
+  Frame frame = make_frame(image, s.undistortion, s.config.frame);
+  if (s.config.tracking.edge_distance > 0)
+    frame.edge_distance =
+        make_edge_distance(canny_edges(frame.levels.front().gray, s.config.canny),
+                           static_cast<int>(frame.levels.size()));
   report.milliseconds.frame = watch.lap();
   if (s.map.keyframes().empty())
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
