@@ -3,6 +3,7 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/odometry/local_map.hpp"
+#include "edvo/track/edge_distance.hpp"
 #include "edvo/track/selection.hpp"
 #include "edvo/track/surface.hpp"
 
@@ -43,6 +44,7 @@ TrackOptions coarse_tracking(const Config& config) {
   options.finest_level = config.coarse.finest_level;
   options.coarsest_level = config.coarse.coarsest_level;
   options.step_tolerance = 0.05;
+  options.edge_distance = 0;  // its points are a grid's, not edges'
   return options;
 }
 
@@ -168,6 +170,8 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   if (config.tracking.geometric > 0)
     reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                                      config.tracking.depth_noise);
+  if (config.tracking.edge_distance > 0)
+    reference.edge_points = edge_points(frame.edge_distance, undistortion.camera, pixels);
   report.milliseconds.selection = watch.lap();
   map.add(frame, world_from_camera, alignment, pixels, config);
   report.milliseconds.window = watch.lap();
@@ -244,6 +248,11 @@ PreparedImage Odometry::prepare(const RgbdImage& image) const {
   state_->check_size(image);
   Stopwatch watch;
   PreparedImage prepared{.frame = make_frame(image, state_->undistortion, state_->config.frame)};
+  const Config& config = state_->config;
+  if (config.tracking.edge_distance > 0)
+    prepared.frame.edge_distance =
+        make_edge_distance(canny_edges(prepared.frame.levels.front().gray, config.canny),
+                           static_cast<int>(prepared.frame.levels.size()));
   prepared.milliseconds = watch.lap();
   return prepared;
 }

@@ -254,11 +254,11 @@ PhotometricSums sum_photometric(const ReferenceLevel& reference,
   return sums;
 }
 
-SurfaceSums sum_surface(const SurfacePoints& surface, const Camera& camera,
-                        const cv::Mat_<float>& depth, const SE3& cur_from_ref, float noise,
-                        float weight) {
+PoseSums sum_surface(const SurfacePoints& surface, const Camera& camera,
+                     const cv::Mat_<float>& depth, const SE3& cur_from_ref, float noise,
+                     float weight) {
   const SurfaceConstants constants{make_view(cur_from_ref, camera), noise, weight};
-  SurfaceSums sums;
+  PoseSums sums;
   Accumulated block;
   for (std::size_t first = 0; first < surface.x.size(); first += kBlock) {
     surface_loop(surface, depth, constants, first, std::min(first + kBlock, surface.x.size()),

@@ -41,8 +41,8 @@ void photometric_residuals(const ReferenceLevel& reference, const Level& current
                                               const std::vector<float>& residuals, double gain,
                                               float sigma, Loss loss, float loss_parameter);
 
-// Sums over pieces of surface, upper triangle of the Hessian of xi.
-struct SurfaceSums {
+// Sums over residuals of the pose alone, upper triangle of the Hessian of xi.
+struct PoseSums {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double cost = 0;
@@ -51,8 +51,8 @@ struct SurfaceSums {
 // Residuals n . (ref_from_cur x_cur) - 1, x_cur the point that the sensor saw where the reference
 // point projects to: a share of depth, so its sigma is that of inverse depth times depth.
 // depth: H x W of the camera, [m], NaN = none. noise: sigma of inverse depth [1 / m].
-[[nodiscard]] SurfaceSums sum_surface(const SurfacePoints& surface, const Camera& camera,
-                                      const cv::Mat_<float>& depth, const SE3& cur_from_ref,
-                                      float noise, float weight);
+[[nodiscard]] PoseSums sum_surface(const SurfacePoints& surface, const Camera& camera,
+                                   const cv::Mat_<float>& depth, const SE3& cur_from_ref,
+                                   float noise, float weight);
 
 }  // namespace edvo

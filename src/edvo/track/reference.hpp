@@ -5,6 +5,7 @@
 #include "edvo/track/selection.hpp"
 #include "edvo/track/surface.hpp"
 
+#include <Eigen/Core>
 #include <array>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct ReferenceLevel {
 struct Reference {
   std::vector<ReferenceLevel> levels;  // as in the frame: 0 = full size
   SurfacePoints surface;
+  std::vector<Eigen::Vector3f> edge_points;  // [m], for the edge-distance residual
 };
 
 // Builds what the inverse-compositional alignment needs: at each level the points' intensities and

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/tracker.hpp"
 
+#include "edvo/track/edge_distance.hpp"
 #include "edvo/track/levenberg_marquardt.hpp"
 
 #include <algorithm>
@@ -24,9 +25,11 @@ class LevelProblem {
                const TrackOptions& options, float sigma)
       : reference_(reference.levels[level]),
         surface_(reference.surface),
+        edge_points_(reference.edge_points),
         current_(frame.levels[level]),
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
+        edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
         options_(options),
         sigma_(sigma) {}
 
@@ -39,15 +42,16 @@ class LevelProblem {
     system.hessian = photometric.hessian;
     system.gradient = photometric.gradient;
     system.cost = photometric.cost;
-    if (options_.geometric > 0) {
-      const SurfaceSums surface = sum_surface(surface_, full_camera_, depth_,
-                                              alignment.cur_from_ref,
-                                              static_cast<float>(options_.depth_noise),
-                                              static_cast<float>(options_.geometric));
-      system.hessian.topLeftCorner<6, 6>() += surface.hessian;
-      system.gradient.head<6>() += surface.gradient;
-      system.cost += surface.cost;
-    }
+    if (options_.geometric > 0)
+      add(sum_surface(surface_, full_camera_, depth_, alignment.cur_from_ref,
+                      static_cast<float>(options_.depth_noise),
+                      static_cast<float>(options_.geometric)),
+          system);
+    if (options_.edge_distance > 0 && edge_distance_)
+      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_,
+                            alignment.cur_from_ref, static_cast<float>(options_.edge_sigma),
+                            static_cast<float>(options_.edge_distance)),
+          system);
     system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
     add_brightness_prior(alignment, system);
     return system;
@@ -68,6 +72,12 @@ class LevelProblem {
   [[nodiscard]] const std::vector<float>& last_residuals() const { return residuals_; }
 
  private:
+  static void add(const PoseSums& sums, System& system) {
+    system.hessian.topLeftCorner<6, 6>() += sums.hessian;
+    system.gradient.head<6>() += sums.gradient;
+    system.cost += sums.cost;
+  }
+
   void add_brightness_prior(const Alignment& alignment, System& system) const {
     const double rigid = options_.brightness ? 1.0 : 1e12;
     const double gain_weight = rigid / (kGainSigma * kGainSigma);
@@ -83,9 +93,11 @@ class LevelProblem {
 
   const ReferenceLevel& reference_;
   const SurfacePoints& surface_;
+  const std::vector<Eigen::Vector3f>& edge_points_;
   const Level& current_;
   const Camera& full_camera_;
   const cv::Mat_<float>& depth_;
+  const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
   float sigma_;              // [grey levels]
   double mean_depth_ = 1.5;  // [m]

@@ -24,6 +24,8 @@ struct TrackOptions {
   double geometric = 0.2;
   double depth_noise = 0.003;    // [1 / m]
   int surface_cell = 14;         // [px]
+  double edge_distance = 0;
+  double edge_sigma = 1.0;       // [px]
   double min_overlap = 0.3;      // [0..1]
   double min_inliers = 0.4;      // [0..1]
   double min_correlation = 0.4;  // [-1..1]
@@ -50,6 +52,10 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("depth_noise", self.depth_noise, Range{1e-6, 1}, "sigma of measured inverse depth [1 / m]");
   visit("surface_cell", self.surface_cell, Range{4, 200},
         "side of the cells with one point-to-plane residual each [px]");
+  visit("edge_distance", self.edge_distance, Range{0, 1e3},
+        "weight of the distances of edge points to the frame's Canny edges; 0 = off");
+  visit("edge_sigma", self.edge_sigma, Range{0.01, 100},
+        "sigma of distances to edges [px of each level]");
   visit("min_overlap", self.min_overlap, Range{0, 1},
         "share of the keyframe's points in view, below which a frame is lost [0..1]");
   visit("min_inliers", self.min_inliers, Range{0, 1},
