@@ -13,9 +13,8 @@
 namespace edvo {
 namespace {
 
-constexpr double kSuspicious = 1.15;    // times the usual sigma: the wrong motion may be followed
 constexpr double kClearlyBetter = 0.9;  // times the sigma of another pose: prefer this one
-constexpr double kSecondTukey = 4.685;  // [sigmas]
+constexpr double kSecondTukey = 3.0;    // [sigmas]
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
 // The pose of a frame hangs on its keyframe's.
@@ -152,7 +151,7 @@ TrackResult Odometry::State::align(const Frame& frame,
     result = track(reference, frame, guess, config.tracking);
     if (result.status == TrackStatus::kTracked) break;
   }
-  const bool suspicious = usual_sigma > 0 && result.sigma > kSuspicious * usual_sigma;
+  const bool suspicious = result.sigma >= config.coarse.second_look * usual_sigma;
   return suspicious ? second_look(frame, std::move(result)) : result;
 }
 

@@ -18,6 +18,9 @@ constexpr float kIntensityUnit = 64.F;  // [grey levels] makes gain and bias ste
 constexpr double kGainSigma = 0.3;      // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;     // [grey levels]
 constexpr float kInlierSigmas = 3.F;
+// Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
+// as much as one that is independent (measured, docs/evaluation.md).
+constexpr double kSharedError = 20.0;
 constexpr float kSurfaceTukey = 6.F;  // [sigmas] farther off, it is another surface
 constexpr float kSurfaceSaturation = kSurfaceTukey * kSurfaceTukey / 6.F;
 
@@ -268,7 +271,8 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     const Eigen::Matrix2d affine = system.hessian.bottomRightCorner<2, 2>();
     const Eigen::Matrix<double, 6, 2> cross = system.hessian.topRightCorner<6, 2>();
     result.information =
-        system.hessian.topLeftCorner<6, 6>() - cross * affine.inverse() * cross.transpose();
+        (system.hessian.topLeftCorner<6, 6>() - cross * affine.inverse() * cross.transpose()) /
+        kSharedError;
   }
   const bool fits = result.overlap >= options.min_overlap &&
                     result.inlier_ratio >= options.min_inliers &&
