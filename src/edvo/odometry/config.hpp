@@ -61,7 +61,8 @@ struct CoarseOptions {
   bool enabled = true;
   int finest_level = 3;
   int coarsest_level = 5;
-  int step = 16;  // [px]
+  int step = 16;             // [px]
+  double second_look = 1.0;  // [1]
 };
 
 template <typename Self, typename Visitor>
@@ -71,6 +72,8 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("finest_level", self.finest_level, Range{0, 7}, "last pyramid level used");
   visit("coarsest_level", self.coarsest_level, Range{0, 7}, "first pyramid level used");
   visit("step", self.step, Range{1, 200}, "one point every so many pixels and rows [px]");
+  visit("second_look", self.second_look, Range{0, 1e6},
+        "residuals this many times the usual ones have fine levels tried alone; 0 = always");
 }
 
 // When a frame becomes a keyframe (paper, section III-C, fig. 4).
@@ -80,7 +83,7 @@ struct KeyframeOptions {
   double rotation = 0.15;    // [rad]
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
-  int patience = 2;           // frames
+  int patience = 2;          // frames
 };
 
 template <typename Self, typename Visitor>

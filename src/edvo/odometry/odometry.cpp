@@ -14,6 +14,10 @@
 namespace edvo {
 namespace {
 
+constexpr double kClearlyBetter = 0.9;  // times the sigma of another pose: prefer this one
+constexpr double kSecondTukey = 3.0;    // [sigmas]
+constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
+
 // The pose of a frame hangs on its keyframe's.
 struct FrameLink {
   Stamp stamp;
@@ -84,6 +88,7 @@ struct Odometry::State {
   std::vector<FrameLink> frames;          // tracked frames
   std::optional<Stamp> newest;            // of all images
   std::int64_t images = 0;
+  double usual_sigma = 0;  // of tracked frames' residuals, 0 = none yet [grey levels]
   int since_keyframe = 0;  // frames
   int lost_in_a_row = 0;   // frames
 
@@ -91,6 +96,7 @@ struct Odometry::State {
   void check_order(const Stamp& stamp) const;
   std::vector<Alignment> guesses(const Frame& frame) const;
   TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses) const;
+  TrackResult second_look(const Frame& frame, TrackResult first) const;
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
@@ -151,7 +157,27 @@ TrackResult Odometry::State::align(const Frame& frame,
     result = track(reference, frame, guess, config.tracking);
     if (result.status == TrackStatus::kTracked) break;
   }
-  return result;
+  const bool suspicious = result.sigma >= config.coarse.second_look * usual_sigma;
+  return suspicious ? second_look(frame, std::move(result)) : result;
+}
+
+// Something large that moves on its own is what coarse levels see best, and they follow it. Fine
+// levels alone, from where the camera may be, and deaf to what does not fit, find most points
+// again.
+TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) const {
+  TrackOptions options = config.tracking;
+  options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
+  options.loss = Loss::kTukey;
+  options.loss_parameter = kSecondTukey;
+  Alignment moving = alignment;
+  moving.cur_from_ref = inverse(last_from_cur) * alignment.cur_from_ref;
+  TrackResult best = std::move(first);
+  for (const Alignment& guess : {moving, alignment}) {
+    TrackResult other = track(reference, frame, guess, options);
+    if (other.status == TrackStatus::kTracked && other.sigma < kClearlyBetter * best.sigma)
+      best = std::move(other);
+  }
+  return best;
 }
 
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
@@ -217,6 +243,7 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   last_from_cur = alignment.cur_from_ref * key_from_camera;
   alignment = result.alignment;
   lost_in_a_row = 0;
+  usual_sigma += (usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - usual_sigma);
   ++since_keyframe;
   report.status = FrameStatus::kTracked;
   report.information = result.information;

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// Is the covariance that comes with a pose true? The normalized estimation error squared
+// (Bar-Shalom, Li, Kirubarajan 2001, section 5.4), e' information e, is 6 on average if so.
+#include "edvo/core/se3.hpp"
+#include "edvo/odometry/config.hpp"
+#include "edvo/odometry/local_map.hpp"
+#include "edvo/track/surface.hpp"
+#include "edvo/track/tracker.hpp"
+#include "support/rendered_sequence.hpp"
+
+#include <gtest/gtest.h>
+
+namespace edvo {
+namespace {
+
+using synth::SceneName;
+
+constexpr int kFramesPerKeyframe = 9;
+constexpr int kKeyframes = 8;
+constexpr double kDegreesOfFreedom = 6;
+
+Reference reference_of(const Frame& frame, const Undistortion& undistortion, const Config& config) {
+  const cv::Mat_<std::uint8_t> mask =
+      with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
+  Reference reference = make_reference(
+      frame, select_pixels(frame, mask, undistortion.valid, config.selection),
+      config.tracking.softness, config.tracking.finest_level, config.tracking.coarsest_level);
+  reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
+                                   config.tracking.depth_noise);
+  return reference;
+}
+
+// NEES / 6 over frames 1 to 8 after each of 8 keyframes, all with noise.
+double normalized_error(SceneName scene) {
+  const Config config = preset(Method::kCannyCorner);
+  const Camera camera = test::kQvgaCamera;
+  const Undistortion undistortion = make_undistortion({camera, {}});
+  const synth::SyntheticSequence sequence = test::make_sequence(
+      {.scene = scene, .frames = kFramesPerKeyframe * kKeyframes, .sensor = {}}, camera);
+  const auto frame_at = [&](int i) {
+    return make_frame(synth::make_frame(sequence, i), undistortion, config.frame);
+  };
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < kKeyframes; ++k) {
+    const int first = k * kFramesPerKeyframe;
+    const Reference reference = reference_of(frame_at(first), undistortion, config);
+    const SE3 world_from_key = synth::pose_of(sequence, first).world_from_camera;
+    Alignment guess;
+    for (int i = first + 1; i < first + kFramesPerKeyframe; ++i) {
+      const TrackResult result = track(reference, frame_at(i), guess, config.tracking);
+      EXPECT_EQ(result.status, TrackStatus::kTracked) << i;
+      const SE3 truth = inverse(synth::pose_of(sequence, i).world_from_camera) * world_from_key;
+      const Vector6d error = log(inverse(result.alignment.cur_from_ref) * truth);
+      sum += error.dot(result.information * error);
+      ++count;
+      guess = result.alignment;
+    }
+  }
+  EXPECT_GE(count, 60);
+  return sum / count / kDegreesOfFreedom;
+}
+
+class Consistency : public testing::TestWithParam<SceneName> {};
+
+TEST_P(Consistency, ErrorsAreAsLargeAsTheInformationSays) {
+  const double ratio = normalized_error(GetParam());
+  RecordProperty("nees_per_degree_of_freedom", std::to_string(ratio));
+  EXPECT_GE(ratio, 0.3);
+  EXPECT_LE(ratio, 3.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Consistency,
+                         testing::Values(SceneName::kOffice, SceneName::kLivingRoom,
+                                         SceneName::kDesk),
+                         [](const auto& info) { return std::string(name_of(info.param)); });
+
+}  // namespace
+}  // namespace edvo
