@@ -65,7 +65,7 @@ void add_demo_command(CLI::App& program) {
       "demo", "Render a room, track the camera through it and write a report; needs no data");
   const auto arguments = std::make_shared<Arguments>();
   arguments->run.threads = 3;  // rendering costs more than tracking: two frames at a time
-  // Ten seconds and five metres: as much to see as with the camera's 30 Hz, in half the time.
+  // Ten seconds and five metres: as much to see as with the camera's 30 Hz, from half the frames.
   arguments->sequence.options.frames = 150;
   arguments->sequence.options.rate = 15;  // [Hz]
   add_run_options(*verb, arguments->run);
