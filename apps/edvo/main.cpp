@@ -27,7 +27,8 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 }
 
 // The memory of one frame serves the next. By default large images go back to the system when they
-// are freed, and every page of the next image is a page fault: up to half the time of a run.
+// are freed, and every page of the next image is a page fault: a sixth of a run's time where faults
+// are dear.
 void keep_freed_memory() {
 #if defined(__GLIBC__)
   mallopt(M_MMAP_THRESHOLD, 32 << 20);   // [bytes] smaller ones come from the heap
