@@ -80,9 +80,13 @@ TEST_F(EdgesCommand, WritesTheStrengthUnroundedForNumPy) {
   }
 }
 
+TEST_F(EdgesCommand, HasANetworkOfItsOwn) {
+  const auto result = run(images_.string() + " --detector network");
+  EXPECT_EQ(result.status, 0) << result.output;
+}
+
 TEST_F(EdgesCommand, RefusesWhatItCannotDo) {
   const std::string images = images_.string();
-  expect_refused(images + " --detector network", ErrorCode::kModel, "--model FILE");
   expect_refused(images + " --model none.toml", ErrorCode::kModel, "none.toml: no such file");
   expect_refused(images + " --detector canny" + model_, ErrorCode::kUsage, "uses no network");
   expect_refused(images + " --detector sobel", ErrorCode::kUsage, "sobel");

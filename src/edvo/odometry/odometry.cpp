@@ -14,7 +14,7 @@
 namespace edvo {
 namespace {
 
-constexpr double kClearlyBetter = 0.9;  // times the sigma of another pose: prefer this one
+constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
 constexpr double kSecondTukey = 3.0;    // [sigmas]
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
