@@ -21,7 +21,7 @@ struct World {
   Undistortion undistortion = make_undistortion(sequence.camera);
   Frame first = make_frame(first_image, undistortion, config.frame);
   Frame second = make_frame(second_image, undistortion, config.frame);
-  cv::Mat_<std::uint8_t> edges = edge_mask(first, config);
+  cv::Mat_<std::uint8_t> edges = edge_mask(first, undistortion, nullptr, config);
   cv::Mat_<std::uint8_t> mask = with_corner_discs(edges, config.corners);
   std::vector<SelectedPixel> pixels =
       select_pixels(first, mask, undistortion.valid, config.selection);
@@ -49,7 +49,8 @@ BENCHMARK(make_frame_stage)->Name("frame")->Unit(benchmark::kMillisecond);
 
 void edges_stage(benchmark::State& state) {
   const World& w = world();
-  for (auto _ : state) benchmark::DoNotOptimize(edge_mask(w.first, w.config));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(edge_mask(w.first, w.undistortion, nullptr, w.config));
 }
 BENCHMARK(edges_stage)->Name("edges: canny")->Unit(benchmark::kMillisecond);
 
@@ -83,9 +84,10 @@ BENCHMARK(tracking_stage)->Name("tracking")->Unit(benchmark::kMillisecond);
 // The second keyframe, refined against the first: a full window takes several times as long.
 void map_stage(benchmark::State& state) {
   const World& w = world();
-  const std::vector<SelectedPixel> pixels =
-      select_pixels(w.second, with_corner_discs(edge_mask(w.second, w.config), w.config.corners),
-                    w.undistortion.valid, w.config.selection);
+  const std::vector<SelectedPixel> pixels = select_pixels(
+      w.second,
+      with_corner_discs(edge_mask(w.second, w.undistortion, nullptr, w.config), w.config.corners),
+      w.undistortion.valid, w.config.selection);
   const SE3 first_from_second = inverse(synth::pose_of(w.sequence, 0).world_from_camera) *
                                 synth::pose_of(w.sequence, kSecondFrame).world_from_camera;
   LocalMap one;

@@ -23,7 +23,8 @@ struct NetworkOptions {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, NetworkOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("model", self.model, Range{}, "description file of the network (docs/models.md); empty = edvo's own");
+  visit("model", self.model, Range{},
+        "description file of the network (docs/models.md); empty = edvo's own");
   visit("threshold", self.threshold, Range{0, 1}, "least strength of an edge pixel [0..1]");
   visit("suppress", self.suppress, Range{}, "thin edges to their strongest line, one pixel wide");
 }

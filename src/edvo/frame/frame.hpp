@@ -17,7 +17,8 @@ struct FrameOptions {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, FrameOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("levels", self.levels, Range{1, 8}, "pyramid levels, the full image included; the paper's four and coarser ones");
+  visit("levels", self.levels, Range{1, 8},
+        "pyramid levels, the full image included; the paper's four and coarser ones");
 }
 
 struct Level {
@@ -30,7 +31,8 @@ struct Frame {
   std::vector<Level> levels;  // 0 = full size; level l is pyrDown of level l - 1
   cv::Mat_<float> depth;      // H x W of level 0, [m], NaN = none
   cv::Mat bgr;                // the distorted original; undistorted by who needs colour
-  // Only where asked for: of every level, distance to the nearest edge, truncated [px of the level].
+  // Only where asked for: of every level, distance to the nearest edge, truncated [px of the
+  // level].
   std::vector<cv::Mat_<float>> edge_distance{};
 };
 

@@ -14,8 +14,8 @@ namespace {
 constexpr int kUnknowns = 8;
 constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
 constexpr int kPoseProducts = 21;
-constexpr std::size_t kBlock = 256;  // sums of floats stay short, sums of blocks are double
-constexpr float kNearest = 0.05F;    // [m] a point nearer to the camera is not in view
+constexpr std::size_t kBlock = 256;   // sums of floats stay short, sums of blocks are double
+constexpr float kNearest = 0.05F;     // [m] a point nearer to the camera is not in view
 constexpr float kSurfaceTukey = 6.F;  // [sigmas] farther off, it is another surface
 constexpr float kSurfaceSaturation = kSurfaceTukey * kSurfaceTukey / 6.F;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -57,8 +57,8 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     const Floats inverse_z = 1.F / z;
     const Floats u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
     const Floats v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + cy;
-    const Ints visible = (pz > 0.F) & (z > kNearest) & (u >= 1.F) & (v >= 1.F) & (u < limit_u) &
-                         (v < limit_v);
+    const Ints visible =
+        (pz > 0.F) & (z > kNearest) & (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v);
     const Ints column = __builtin_convertvector(u, Ints) & visible;
     const Ints row = __builtin_convertvector(v, Ints) & visible;
     const Ints offset = row * stride + column;
@@ -125,14 +125,11 @@ EDVO_CLONES void photometric_loop(const ReferenceLevel& reference, const float* 
     }
     cost += (seen ? loss : zero + c.outside) * point_weight;
     const Floats w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;
-    const Floats j[kUnknowns] = {c.gain * lanes(&reference.jacobian[0][i]),
-                                 c.gain * lanes(&reference.jacobian[1][i]),
-                                 c.gain * lanes(&reference.jacobian[2][i]),
-                                 c.gain * lanes(&reference.jacobian[3][i]),
-                                 c.gain * lanes(&reference.jacobian[4][i]),
-                                 c.gain * lanes(&reference.jacobian[5][i]),
-                                 -lanes(&reference.intensity[i]),
-                                 zero - kIntensityUnit};
+    const Floats j[kUnknowns] = {
+        c.gain * lanes(&reference.jacobian[0][i]), c.gain * lanes(&reference.jacobian[1][i]),
+        c.gain * lanes(&reference.jacobian[2][i]), c.gain * lanes(&reference.jacobian[3][i]),
+        c.gain * lanes(&reference.jacobian[4][i]), c.gain * lanes(&reference.jacobian[5][i]),
+        -lanes(&reference.intensity[i]),           zero - kIntensityUnit};
     int product = 0;
 #pragma GCC unroll 8
     for (int a = 0; a < kUnknowns; ++a) {
@@ -247,8 +244,8 @@ PhotometricSums sum_photometric(const ReferenceLevel& reference,
   PhotometricSums sums;
   Accumulated block;
   for (std::size_t first = 0; first < residuals.size(); first += kBlock) {
-    photometric_loop(reference, residuals.data(), first,
-                     std::min(first + kBlock, residuals.size()), constants, block);
+    photometric_loop(reference, residuals.data(), first, std::min(first + kBlock, residuals.size()),
+                     constants, block);
     add(block, kUnknowns, sums);
   }
   return sums;

@@ -59,7 +59,8 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
     }
     level.count = level.x.size();
     const std::size_t length = padded(level.count);
-    for (std::vector<float>* array : {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
+    for (std::vector<float>* array :
+         {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
       array->resize(length);
     for (std::vector<float>& array : level.jacobian) array.resize(length);
     reference.levels.push_back(std::move(level));

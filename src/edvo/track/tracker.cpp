@@ -12,8 +12,8 @@ namespace {
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 
-constexpr double kGainSigma = 0.3;      // prior: exposure rarely jumps by more
-constexpr double kBiasSigma = 30.0;     // [grey levels]
+constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
+constexpr double kBiasSigma = 30.0;  // [grey levels]
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
 constexpr double kSharedError = 20.0;
@@ -51,8 +51,8 @@ class LevelProblem {
                       static_cast<float>(options_.geometric)),
           system);
     if (options_.edge_distance > 0 && edge_distance_)
-      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_,
-                            alignment.cur_from_ref, static_cast<float>(options_.edge_sigma),
+      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_, alignment.cur_from_ref,
+                            static_cast<float>(options_.edge_sigma),
                             static_cast<float>(options_.edge_distance)),
           system);
     system.hessian = system.hessian.selfadjointView<Eigen::Upper>();

@@ -22,8 +22,8 @@ struct TrackOptions {
   double step_tolerance = 0.01;  // [px]
   bool brightness = true;
   double geometric = 0.2;
-  double depth_noise = 0.003;    // [1 / m]
-  int surface_cell = 14;         // [px]
+  double depth_noise = 0.003;  // [1 / m]
+  int surface_cell = 14;       // [px]
   double edge_distance = 0;
   double edge_sigma = 1.0;       // [px]
   double min_overlap = 0.3;      // [0..1]
