@@ -25,7 +25,7 @@ enum class Method {
   kCnn,          // network edges without corner optimization
 };
 
-inline constexpr Method kDefaultMethod = Method::kCannyCorner;  // until a network ships with edvo
+inline constexpr Method kDefaultMethod = Method::kCannyCorner;  // docs/evaluation.md says why
 
 template <>
 struct EnumNames<Method> {
