@@ -13,6 +13,8 @@ import cv2
 import numpy as np
 import torch
 
+from detectors import Plain
+
 BIPED = "Data/BIPEDv2/BIPED/edges"
 BSDS = "BSDS/BSDS500/data/images"
 SCALES = (1.0, 0.7, 0.5)  # of BIPEDv2 (1280 x 720); BSDS500 is used as it is
@@ -73,25 +75,11 @@ def shrink_label(label, scale):
     return np.minimum(shrink(label, scale).astype(np.float32) / scale, 255).astype(np.uint8)
 
 
-class Teacher:
-    """An ONNX file: 1 x 3 x H x W of 0..255 BGR, sides multiples of 8 -> probabilities."""
-
-    def __init__(self, path):
-        self.net = cv2.dnn.readNetFromONNX(str(path))
-
-    def __call__(self, bgr):
-        height, width = bgr.shape[:2]
-        padded = cv2.copyMakeBorder(bgr, 0, -height % 8, 0, -width % 8, cv2.BORDER_REFLECT_101)
-        self.net.setInput(np.ascontiguousarray(padded.transpose(2, 0, 1)[None], np.float32))
-        answer = self.net.forward()[0, 0, :height, :width]
-        return np.rint(answer * 255).astype(np.uint8)
-
-
 def load(data, cache, teacher=None):
     """All training samples; the teacher's answers are computed once and kept in `cache` as PNG."""
     cache = Path(cache)
     cache.mkdir(parents=True, exist_ok=True)
-    net = Teacher(teacher) if teacher else None
+    net = Plain(teacher) if teacher else None
     jobs = [(i, g, s) for i, g in pairs(data, "train") for s in SCALES]
     jobs += [(i, None, 1.0) for i in unlabelled(data)] if net else []
     samples = []
@@ -107,7 +95,7 @@ def load(data, cache, teacher=None):
         elif kept.exists():
             said = read(kept, cv2.IMREAD_GRAYSCALE)
         else:
-            said = net(bgr)
+            said = np.rint(net(bgr) * 255).astype(np.uint8)
             cv2.imwrite(str(kept), said)
         samples.append(Sample(bgr, drawn, said, label is not None))
     return samples

@@ -4,6 +4,7 @@
 #include "config_flags.hpp"
 #include "edvo/core/error.hpp"
 #include "edvo/io/image_file.hpp"
+#include "edvo/io/output_file.hpp"
 #include "edvo/io/strength_file.hpp"
 
 #include <fmt/core.h>
@@ -82,14 +83,6 @@ std::vector<Task> plan(const Arguments& arguments) {
                               output.string(), tasks[i].image.string()));
   }
   return tasks;
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error)
-    throw Error(ErrorCode::kOutput,
-                fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
 }
 
 Config resolve(const Arguments& arguments) {

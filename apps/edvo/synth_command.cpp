@@ -104,15 +104,6 @@ void write_frames(const synth::SyntheticSequence& sequence, int threads, const f
   }
 }
 
-double length_of(const Trajectory& trajectory) {  // [m]
-  double length = 0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i)
-    length += (trajectory[i].world_from_camera.translation -
-               trajectory[i - 1].world_from_camera.translation)
-                  .norm();
-  return length;
-}
-
 void write_sequence(const Arguments& arguments) {
   const fs::path folder = arguments.out;
   synth::SyntheticSequence sequence = make_sequence(arguments.sequence);
@@ -129,11 +120,11 @@ void write_sequence(const Arguments& arguments) {
     const nlohmann::ordered_json result = {{"folder", folder.string()},
                                            {"frames", frames},
                                            {"seconds", seconds},
-                                           {"path_length_m", length_of(truth)}};
+                                           {"path_length_m", path_length(truth)}};
     fmt::print("{}\n", result.dump());
   } else {
     fmt::print("{}: {} frames, {:.2f} s, path of {:.2f} m\n", folder.string(), frames, seconds,
-               length_of(truth));
+               path_length(truth));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "edvo/io/file.hpp"
 #include "support/error_matcher.hpp"
+#include "support/png_bytes.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -43,13 +44,7 @@ std::string encode(const PngLayout& layout, const std::vector<std::uint8_t>& pix
   }
   EXPECT_EQ(
       spng_encode_image(png, pixels.data(), pixels.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE), 0);
-  std::size_t size = 0;
-  int status = 0;
-  void* const buffer = spng_get_png_buffer(png, &size, &status);
-  const std::string bytes(static_cast<const char*>(buffer), size);
-  std::free(buffer);
-  spng_ctx_free(png);
-  return bytes;
+  return test::take_png(png);
 }
 
 std::string encode_jpeg(const cv::Mat& image, TJPF format) {

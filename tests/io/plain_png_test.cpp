@@ -3,6 +3,7 @@
 
 #include "edvo/io/image_file.hpp"
 #include "support/error_matcher.hpp"
+#include "support/png_bytes.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
@@ -44,13 +45,7 @@ std::string encode(const cv::Mat& image, spng_color_type colour_type, int filter
   EXPECT_EQ(spng_encode_image(png, image.data, image.total() * image.elemSize(), SPNG_FMT_PNG,
                               SPNG_ENCODE_FINALIZE),
             0);
-  std::size_t size = 0;
-  int status = 0;
-  void* const buffer = spng_get_png_buffer(png, &size, &status);
-  const std::string bytes(static_cast<const char*>(buffer), size);
-  std::free(buffer);
-  spng_ctx_free(png);
-  return bytes;
+  return test::take_png(png);
 }
 
 std::string chunk(const std::string& type, const std::string& content) {

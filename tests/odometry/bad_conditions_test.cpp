@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What goes wrong in front of real cameras, one condition at a time, on rendered sequences. Bounds
-// are twice the errors seen.
+// are some times the errors seen; each condition is one rendering (docs/evaluation.md).
 #include "edvo/odometry/odometry.hpp"
 #include "support/rendered_sequence.hpp"
 

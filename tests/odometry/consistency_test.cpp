@@ -73,7 +73,7 @@ TEST_P(Consistency, ErrorsAreAsLargeAsTheInformationSays) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Consistency,
                          testing::Values(SceneName::kOffice, SceneName::kLivingRoom,
                                          SceneName::kDesk),
-                         [](const auto& info) { return std::string(name_of(info.param)); });
+                         [](const auto& test) { return std::string(name_of(test.param)); });
 
 }  // namespace
 }  // namespace edvo

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Eight numbers at a time, through the compiler's vector types: the same bits on every machine,
-// one instruction where it has AVX2, two or more elsewhere (docs/adr).
+// Eight numbers at a time, through the compiler's vector types: the same bits with AVX2, one
+// instruction each, and without, two or more (docs/adr/0005).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
 namespace edvo {
 

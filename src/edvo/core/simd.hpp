@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One binary for every x86-64: hot functions are compiled twice and chosen at start (docs/adr).
+// One binary for every x86-64: hot functions are compiled twice and chosen at start
+// (docs/adr/0005).
 #pragma once
 
 // A function so marked must contain its loops itself (what it calls is compiled for the baseline).

@@ -16,4 +16,7 @@ struct StampedPose {
 
 using Trajectory = std::vector<StampedPose>;  // ordered by stamp
 
+// Sum of the distances from pose to pose [m].
+[[nodiscard]] double path_length(const Trajectory& trajectory);
+
 }  // namespace edvo

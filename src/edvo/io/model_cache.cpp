@@ -4,7 +4,6 @@
 #include "edvo/core/error.hpp"
 #include "edvo/core/sha256.hpp"
 #include "edvo/io/download.hpp"
-#include "edvo/io/file.hpp"
 #include "edvo/io/model_file.hpp"
 #include "edvo/io/output_file.hpp"
 
@@ -18,26 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error(ErrorCode::kOutput,
-                fmt::format("{}: cannot make this folder: {}; the cache can be moved with "
-                            "XDG_CACHE_HOME",
-                            folder.string(), error.message()));
-}
+constexpr const char* kRemedy = "; the cache can be moved with XDG_CACHE_HOME";
 
 fs::path file_of(const fs::path& folder, std::string_view name, std::string_view extension) {
   return folder / fmt::format("{}{}", name, extension);
-}
-
-std::string contents_of(const fs::path& file) {
-  try {
-    return read_file(file);
-  } catch (const Error& error) {
-    throw Error(ErrorCode::kModel, error.what());
-  }
 }
 
 // Empty, or why these bytes are not the model.
@@ -51,7 +34,7 @@ std::string difference(const KnownModel& model, const std::string& bytes) {
 
 bool is_whole(const KnownModel& model, const fs::path& file) {
   std::error_code ignored;
-  return fs::is_regular_file(file, ignored) && difference(model, contents_of(file)).empty();
+  return fs::is_regular_file(file, ignored) && difference(model, read_model_file(file)).empty();
 }
 
 fs::path describe(const KnownModel& model, const fs::path& folder) {
@@ -95,7 +78,7 @@ bool fetch(const KnownModel& model, std::string address, const fs::path& file,
     if (holds_nothing(part)) fs::remove(part, ignored);
     throw;
   }
-  const std::string wrong = difference(model, contents_of(part));
+  const std::string wrong = difference(model, read_model_file(part));
   if (wrong.empty()) {
     move_over(part, file);
     return true;
@@ -149,7 +132,7 @@ std::optional<fs::path> find_cached_model(const fs::path& folder, const std::str
 
 std::optional<fs::path> pull_model(const KnownModel& model, const fs::path& folder,
                                    const PullOptions& options) {
-  make_folder(folder);
+  make_folder(folder, kRemedy);
   const fs::path file = file_of(folder, model.name, ".onnx");
   if (is_whole(model, file)) {
     if (options.on_note) options.on_note("already there");
@@ -160,13 +143,13 @@ std::optional<fs::path> pull_model(const KnownModel& model, const fs::path& fold
 }
 
 fs::path pull_model_from(const KnownModel& model, const fs::path& folder, const fs::path& file) {
-  const std::string bytes = contents_of(file);
+  const std::string bytes = read_model_file(file);
   if (const std::string wrong = difference(model, bytes); !wrong.empty())
     throw Error(ErrorCode::kModel,
                 fmt::format("{}: not the model {}: {}; an own network is imported with edvo models "
                             "import",
                             file.string(), model.name, wrong));
-  make_folder(folder);
+  make_folder(folder, kRemedy);
   write_whole(file_of(folder, model.name, ".onnx"), bytes);
   return describe(model, folder);
 }
@@ -174,7 +157,7 @@ fs::path pull_model_from(const KnownModel& model, const fs::path& folder, const 
 fs::path import_model(const fs::path& description, const fs::path& onnx, const fs::path& folder,
                       bool replace) {
   ModelDescription imported =
-      model_description_from_toml(contents_of(description), description.string());
+      model_description_from_toml(read_model_file(description), description.string());
   if (imported.name.empty()) imported.name = onnx.stem().string();
   if (!is_file_name(imported.name))
     throw Error(ErrorCode::kModel,
@@ -189,7 +172,7 @@ fs::path import_model(const fs::path& description, const fs::path& onnx, const f
                 fmt::format("{}: there is a model '{}' already; replace it with --force or choose "
                             "another name",
                             folder.string(), imported.name));
-  const std::string bytes = contents_of(onnx);
+  const std::string bytes = read_model_file(onnx);
   const std::string hash = sha256(bytes);
   if (!imported.sha256.empty() && imported.sha256 != hash)
     throw Error(ErrorCode::kModel,
@@ -197,7 +180,7 @@ fs::path import_model(const fs::path& description, const fs::path& onnx, const f
                             description.string(), imported.sha256));
   imported.file = imported.name + ".onnx";
   imported.sha256 = hash;
-  make_folder(folder);
+  make_folder(folder, kRemedy);
   const fs::path target = file_of(folder, imported.name, ".toml");
   std::error_code ignored;
   fs::remove(target, ignored);  // must not describe other weights, not even for a moment

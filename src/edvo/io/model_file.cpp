@@ -2,9 +2,10 @@
 #include "edvo/io/model_file.hpp"
 
 #include "edvo/core/sha256.hpp"
-#include "edvo/io/file.hpp"
 
 #include <fmt/core.h>
+
+#include <utility>
 
 namespace edvo {
 
@@ -17,6 +18,23 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestDescription = std::size_t{1} << 20;  // [bytes]
 
+// The weights of the description that was read from `source`.
+Model with_weights(ModelDescription described, const fs::path& source, const fs::path& onnx) {
+  Model model{.description = std::move(described),
+              .weights = read_model_file(onnx),
+              .source = onnx.string()};
+  const std::string& expected = model.description.sha256;
+  if (expected.empty()) return model;
+  if (const std::string found = sha256(model.weights); found != expected)
+    throw Error(ErrorCode::kModel,
+                fmt::format("{}: its SHA-256 is {}, but {} expects {}; the file is damaged or not "
+                            "the one described",
+                            model.source, found, source.string(), expected));
+  return model;
+}
+
+}  // namespace
+
 std::string read_model_file(const fs::path& path, std::size_t largest) {
   try {
     return read_file(path, largest);
@@ -24,8 +42,6 @@ std::string read_model_file(const fs::path& path, std::size_t largest) {
     throw Error(ErrorCode::kModel, error.what());
   }
 }
-
-}  // namespace
 
 ModelDescription read_description(const fs::path& description) {
   if (description.extension() == ".onnx")
@@ -38,21 +54,13 @@ ModelDescription read_description(const fs::path& description) {
 }
 
 Model read_model(const fs::path& description) {
-  return read_model(description, description.parent_path() / read_description(description).file);
+  ModelDescription described = read_description(description);
+  const fs::path onnx = description.parent_path() / described.file;
+  return with_weights(std::move(described), description, onnx);
 }
 
 Model read_model(const fs::path& description, const fs::path& onnx) {
-  Model model{.description = read_description(description),
-              .weights = read_model_file(onnx, kLargestFile),
-              .source = onnx.string()};
-  const std::string& expected = model.description.sha256;
-  if (expected.empty()) return model;
-  if (const std::string found = sha256(model.weights); found != expected)
-    throw Error(ErrorCode::kModel,
-                fmt::format("{}: its SHA-256 is {}, but {} expects {}; the file is damaged or not "
-                            "the one described",
-                            model.source, found, description.string(), expected));
-  return model;
+  return with_weights(read_description(description), description, onnx);
 }
 
 Model own_model() {

@@ -2,6 +2,7 @@
 // An edge network as it lies on disk: its description and its weights.
 #pragma once
 
+#include "edvo/io/file.hpp"
 #include "edvo/io/model_description.hpp"
 
 #include <filesystem>
@@ -22,6 +23,10 @@ struct Model {
 // The same with weights that lie elsewhere than the description says.
 [[nodiscard]] Model read_model(const std::filesystem::path& description,
                                const std::filesystem::path& onnx);
+
+// The bytes of a file that belongs to a model; what read_file() refuses is Error(kModel) here.
+[[nodiscard]] std::string read_model_file(const std::filesystem::path& path,
+                                          std::size_t largest = kLargestFile);
 
 [[nodiscard]] ModelDescription read_description(const std::filesystem::path& description);
 

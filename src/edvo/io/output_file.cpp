@@ -78,4 +78,12 @@ void write_whole(const fs::path& path, std::string_view content) {
   }
 }
 
+void make_folder(const fs::path& folder, std::string_view remedy) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error)
+    throw Error(ErrorCode::kOutput, fmt::format("{}: cannot make this folder: {}{}",
+                                                folder.string(), error.message(), remedy));
+}
+
 }  // namespace edvo

@@ -27,6 +27,9 @@ class LineFile {
   std::int64_t whole_bytes_ = 0;  // length of the whole lines
 };
 
+// With the folders above it. Throws Error(kOutput) naming it and, in the end, the remedy.
+void make_folder(const std::filesystem::path& folder, std::string_view remedy = {});
+
 // Replaces the file by the content, or, when that throws Error(kOutput), leaves it as it was.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 

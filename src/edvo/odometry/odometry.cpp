@@ -14,6 +14,7 @@
 namespace edvo {
 namespace {
 
+constexpr double kCoarseStep = 0.05;    // [px of the level] ends a level: only a guess is wanted
 constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
 constexpr double kSecondTukey = 3.0;    // [sigmas]
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
@@ -47,7 +48,7 @@ TrackOptions coarse_tracking(const Config& config) {
   TrackOptions options = config.tracking;
   options.finest_level = config.coarse.finest_level;
   options.coarsest_level = config.coarse.coarsest_level;
-  options.step_tolerance = 0.05;
+  options.step_tolerance = kCoarseStep;
   options.edge_distance = 0;  // its points are a grid's, not edges'
   return options;
 }
@@ -94,6 +95,7 @@ struct Odometry::State {
 
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
+  Alignment moved_by(const SE3& cur_from_last) const;
   std::vector<Alignment> guesses(const Frame& frame) const;
   TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses) const;
   TrackResult second_look(const Frame& frame, TrackResult first) const;
@@ -122,6 +124,13 @@ void Odometry::State::check_order(const Stamp& stamp) const {
                                        ": not later than the one before, " + to_string(*newest));
 }
 
+// Of a frame to the last keyframe, from its motion since the last one.
+Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
+  Alignment moved = alignment;
+  moved.cur_from_ref = cur_from_last * alignment.cur_from_ref;
+  return moved;
+}
+
 // Where the frame could be: moved on as before, or as whole coarse images tell, or standing still.
 // The likeliest first.
 std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
@@ -138,8 +147,7 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
   }
   std::vector<std::pair<double, Alignment>> all;
   for (const SE3& motion : motions) {
-    Alignment guess = alignment;
-    guess.cur_from_ref = motion * alignment.cur_from_ref;
+    const Alignment guess = moved_by(motion);
     all.emplace_back(coarse_cost(reference, frame, guess, config.tracking), guess);
   }
   std::stable_sort(all.begin(), all.end(),
@@ -149,7 +157,8 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
   return sorted;
 }
 
-// From the likeliest guess; from the others if that fails.
+// From the likeliest guess; from the others if that fails. Looked at again where residuals are
+// large.
 TrackResult Odometry::State::align(const Frame& frame,
                                    const std::vector<Alignment>& guesses) const {
   TrackResult result;
@@ -169,10 +178,8 @@ TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) 
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
   options.loss = Loss::kTukey;
   options.loss_parameter = kSecondTukey;
-  Alignment moving = alignment;
-  moving.cur_from_ref = inverse(last_from_cur) * alignment.cur_from_ref;
   TrackResult best = std::move(first);
-  for (const Alignment& guess : {moving, alignment}) {
+  for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
     TrackResult other = track(reference, frame, guess, options);
     if (other.status == TrackStatus::kTracked && other.sigma < kClearlyBetter * best.sigma)
       best = std::move(other);

@@ -153,15 +153,6 @@ double quantile(std::vector<double> values, double p) {
   return values[below] + fraction * (values[above] - values[below]);
 }
 
-double path_length(const Trajectory& trajectory) {
-  double length = 0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i)
-    length += (trajectory[i].world_from_camera.translation -
-               trajectory[i - 1].world_from_camera.translation)
-                  .norm();
-  return length;
-}
-
 double frames_per_second(const RunSummary& summary) {
   const auto processed = static_cast<double>(summary.tracked + summary.lost);
   return summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0;

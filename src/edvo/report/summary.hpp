@@ -147,9 +147,6 @@ struct RunSummary {
 // Frames processed per second of the whole run, reading them included.
 [[nodiscard]] double frames_per_second(const RunSummary& summary);
 
-// Length of the line through the positions. [m]
-[[nodiscard]] double path_length(const Trajectory& trajectory);
-
 // Fingerprint of a resolved configuration (64-bit FNV-1a of the text, hexadecimal).
 [[nodiscard]] std::string config_hash(std::string_view config);
 

@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kOnEdge = 1.F;    // [px] a keyframe's point at most so far from its edges is on one
 constexpr float kHuber = 1.345F;  // [sigmas]
-constexpr float kNearest = 0.05F;  // [m] a point nearer to the camera is not in view
 
 // A value between pixels and its derivatives [1 / px].
 struct Sample {

@@ -4,6 +4,7 @@
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -15,7 +16,6 @@ constexpr int kUnknowns = 8;
 constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
 constexpr int kPoseProducts = 21;
 constexpr std::size_t kBlock = 256;   // sums of floats stay short, sums of blocks are double
-constexpr float kNearest = 0.05F;     // [m] a point nearer to the camera is not in view
 constexpr float kSurfaceTukey = 6.F;  // [sigmas] farther off, it is another surface
 constexpr float kSurfaceSaturation = kSurfaceTukey * kSurfaceTukey / 6.F;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

@@ -21,6 +21,7 @@ struct Alignment {
 
 constexpr float kIntensityUnit = 64.F;  // [grey levels] makes gain and bias steps of like size
 constexpr float kInlierSigmas = 3.F;
+constexpr float kNearest = 0.05F;  // [m] a point nearer to the camera is not in view
 
 // Sums over points: J' W J (upper triangle), J' W r and the robust cost. Unknowns: xi, gain,
 // bias / kIntensityUnit.

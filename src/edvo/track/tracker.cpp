@@ -72,8 +72,6 @@ class LevelProblem {
     return f * std::max(step.head<3>().norm() / mean_depth_, step.segment<3>(3).norm());
   }
 
-  [[nodiscard]] const std::vector<float>& last_residuals() const { return residuals_; }
-
  private:
   static void add(const PoseSums& sums, System& system) {
     system.hessian.topLeftCorner<6, 6>() += sums.hessian;
