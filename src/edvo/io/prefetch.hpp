@@ -28,11 +28,12 @@ struct Fetched {
 
 struct PrefetchOptions {
   int threads = 2;  // of the whole program: 1 = read when asked, otherwise threads - 1 read ahead
-  int ahead = 4;    // frames in memory at most, per reading thread
+  int ahead = 6;    // frames in memory at most, per reading thread
 };
 
-// Delivers frames 0 to count - 1 in order, the same for any number of threads. May be destroyed at
-// any time; then it waits only for reads that have begun.
+// Delivers frames 0 to count - 1 in order, the same for any number of threads. Who asks before a
+// frame is there reads along instead of waiting, so that no thread is idle. May be destroyed at any
+// time; then it waits only for reads that have begun.
 template <typename Frame>
 class Prefetch {
  public:
@@ -48,6 +49,8 @@ class Prefetch {
   static constexpr int kMostReaders = 4;
 
   [[nodiscard]] Fetched<Frame> fetch(std::size_t index) const;
+  [[nodiscard]] bool has_room() const;
+  void read_one(std::unique_lock<std::mutex>& lock);
   void work(const std::stop_token& stop);
 
   Read read_;
@@ -83,21 +86,29 @@ Fetched<Frame> Prefetch<Frame>::fetch(std::size_t index) const {
   }
 }
 
+// There is a frame that nobody reads yet, and a slot for it.
+template <typename Frame>
+bool Prefetch<Frame>::has_room() const {
+  return next_to_read_ < count_ && next_to_read_ < next_to_deliver_ + slots_.size();
+}
+
+template <typename Frame>
+void Prefetch<Frame>::read_one(std::unique_lock<std::mutex>& lock) {
+  const std::size_t index = next_to_read_++;
+  lock.unlock();
+  Fetched<Frame> frame = fetch(index);
+  lock.lock();
+  slots_[index % slots_.size()] = std::move(frame);
+  changed_.notify_all();
+}
+
 template <typename Frame>
 void Prefetch<Frame>::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (next_to_read_ < count_) {
-    const auto has_room = [&] {
-      return next_to_read_ >= count_ || next_to_read_ < next_to_deliver_ + slots_.size();
-    };
-    if (!changed_.wait(lock, stop, has_room) || stop.stop_requested()) return;
-    if (next_to_read_ >= count_) return;
-    const std::size_t index = next_to_read_++;
-    lock.unlock();
-    Fetched<Frame> frame = fetch(index);
-    lock.lock();
-    slots_[index % slots_.size()] = std::move(frame);
-    changed_.notify_all();
+    const auto worth_waking = [&] { return next_to_read_ >= count_ || has_room(); };
+    if (!changed_.wait(lock, stop, worth_waking) || stop.stop_requested()) return;
+    if (has_room()) read_one(lock);
   }
 }
 
@@ -111,7 +122,12 @@ std::optional<Fetched<Frame>> Prefetch<Frame>::next() {
     return fetch(index);
   }
   std::optional<Fetched<Frame>>& slot = slots_[index % slots_.size()];
-  changed_.wait(lock, [&] { return slot.has_value(); });
+  while (!slot.has_value()) {
+    if (has_room())
+      read_one(lock);
+    else
+      changed_.wait(lock);
+  }
   std::optional<Fetched<Frame>> frame = std::exchange(slot, std::nullopt);
   ++next_to_deliver_;
   changed_.notify_all();
