@@ -2,9 +2,13 @@
 #include "edvo/frame/undistort.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/lanes.hpp"
+#include "edvo/core/simd.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 
 namespace edvo {
 namespace {
@@ -21,28 +25,74 @@ cv::Vec2f distort(const DistortedCamera& camera, double u, double v) {
   return {static_cast<float>(c.fx * xd + c.cx), static_cast<float>(c.fy * yd + c.cy)};
 }
 
+constexpr int kUnit = 32;  // of the fractions of a pixel, as in OpenCV
+constexpr int kRound = kUnit * kUnit / 2;
+
+// The interpolated byte: exact in integers, so that every machine has the same.
+inline int interpolate(const std::uint8_t* p, int channels, int stride, int right, int down) {
+  const int top = p[0] * (kUnit - right) + p[channels] * right;
+  const int bottom = p[stride] * (kUnit - right) + p[stride + channels] * right;
+  return (top * (kUnit - down) + bottom * down + kRound) / (kUnit * kUnit);
+}
+
+// count: a multiple of kLanes.
+EDVO_CLONES void undistort_lanes(const std::uint8_t* in, int stride, const std::int32_t* corner,
+                                 const std::uint8_t* right, const std::uint8_t* down,
+                                 std::size_t count, std::uint8_t* out) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    Ints upper, lower, a, b;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::uint16_t pair;  // two neighbours, the left one in the low byte
+      const std::uint8_t* p = in + corner[i + k];
+      std::memcpy(&pair, p, 2);
+      upper[k] = pair;
+      std::memcpy(&pair, p + stride, 2);
+      lower[k] = pair;
+      a[k] = right[i + k];
+      b[k] = down[i + k];
+    }
+    const Ints top = (upper & 255) * (kUnit - a) + (upper >> 8) * a;
+    const Ints bottom = (lower & 255) * (kUnit - a) + (lower >> 8) * a;
+    const Ints value = (top * (kUnit - b) + bottom * b + kRound) >> 10;
+    for (std::size_t k = 0; k < kLanes; ++k) out[i + k] = static_cast<std::uint8_t>(value[k]);
+  }
+}
+
 }  // namespace
 
 Undistortion make_undistortion(const DistortedCamera& camera) {
   const Camera& pinhole = camera.pinhole;
   if (pinhole.width <= 0 || pinhole.height <= 0 || pinhole.fx == 0 || pinhole.fy == 0)
     throw Error(ErrorCode::kCalibration, "camera: width, height, fx and fy must not be zero");
-  Undistortion undistortion{
-      .camera = pinhole, .map = {}, .interpolation = {}, .nearest = {}, .valid = {}};
   const cv::Size size(pinhole.width, pinhole.height);
-  undistortion.valid = cv::Mat_<std::uint8_t>(size, std::uint8_t{255});
-  if (!is_distorted(camera)) return undistortion;
+  Undistortion undistortion{.camera = pinhole,
+                            .corner = {},
+                            .right = {},
+                            .down = {},
+                            .nearest = {},
+                            .valid = cv::Mat_<std::uint8_t>(size, std::uint8_t{255})};
+  if (!is_distorted(camera) || size.width < 2 || size.height < 2) return undistortion;
 
-  cv::Mat_<cv::Vec2f> map(size);
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) map(y, x) = distort(camera, x, y);
-  cv::convertMaps(map, cv::noArray(), undistortion.map, undistortion.interpolation, CV_16SC2);
-  undistortion.nearest = cv::Mat_<cv::Vec2s>(size);
+  undistortion.corner.create(size);
+  undistortion.right.create(size);
+  undistortion.down.create(size);
+  undistortion.nearest.create(size);
+  const auto fixed = [](float at, int last) {
+    return static_cast<int>(std::lrint(std::clamp(at, 0.F, static_cast<float>(last)) * kUnit));
+  };
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      const cv::Vec2f source = map(y, x);
-      undistortion.nearest.at<cv::Vec2s>(y, x) = {cv::saturate_cast<short>(source[0]),
-                                                  cv::saturate_cast<short>(source[1])};
+      const cv::Vec2f source = distort(camera, x, y);
+      const int u = fixed(source[0], size.width - 1), v = fixed(source[1], size.height - 1);
+      const int column = std::min(u / kUnit, size.width - 2);
+      const int row = std::min(v / kUnit, size.height - 2);
+      undistortion.corner(y, x) = row * size.width + column;
+      undistortion.right(y, x) = static_cast<std::uint8_t>(u - column * kUnit);
+      undistortion.down(y, x) = static_cast<std::uint8_t>(v - row * kUnit);
+      const cv::Point nearest(cv::saturate_cast<short>(source[0]),
+                              cv::saturate_cast<short>(source[1]));
+      undistortion.nearest(y, x) =
+          nearest.inside({{0, 0}, size}) ? nearest.y * size.width + nearest.x : -1;
       const bool inside = source[0] >= 1.F && source[1] >= 1.F &&
                           source[0] <= static_cast<float>(size.width - 2) &&
                           source[1] <= static_cast<float>(size.height - 2);
@@ -52,18 +102,39 @@ Undistortion make_undistortion(const DistortedCamera& camera) {
 }
 
 cv::Mat undistort_colour(const Undistortion& undistortion, const cv::Mat& image) {
-  if (undistortion.map.empty()) return image;
-  cv::Mat result;
-  cv::remap(image, result, undistortion.map, undistortion.interpolation, cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
+  if (undistortion.corner.empty()) return image;
+  const cv::Mat whole = image.isContinuous() ? image : image.clone();
+  cv::Mat result(image.size(), image.type());
+  const int channels = image.channels(), stride = image.cols * channels;
+  const std::int32_t* corner = undistortion.corner[0];
+  const std::uint8_t *right = undistortion.right[0], *down = undistortion.down[0];
+  const std::uint8_t* in = whole.ptr();
+  std::uint8_t* out = result.ptr();
+  const std::size_t count = image.total();
+  std::size_t i = 0;
+  if (channels == 1) {
+    i = count / kLanes * kLanes;
+    undistort_lanes(in, stride, corner, right, down, i, out);
+  }
+  for (; i < count; ++i)
+    for (int c = 0; c < channels; ++c)
+      out[i * channels + c] = static_cast<std::uint8_t>(
+          interpolate(in + corner[i] * channels + c, channels, stride, right[i], down[i]));
   return result;
 }
 
 cv::Mat_<float> undistort_depth(const Undistortion& undistortion, const cv::Mat_<float>& depth) {
   if (undistortion.nearest.empty()) return depth;
-  cv::Mat_<float> result;
-  cv::remap(depth, result, undistortion.nearest, cv::noArray(), cv::INTER_NEAREST,
-            cv::BORDER_CONSTANT, cv::Scalar::all(std::numeric_limits<float>::quiet_NaN()));
+  const cv::Mat_<float> whole = depth.isContinuous() ? depth : depth.clone();
+  cv::Mat_<float> result(depth.size());
+  const float* in = whole[0];
+  const std::int32_t* nearest = undistortion.nearest[0];
+  float* out = result[0];
+  const std::size_t count = depth.total();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float z = in[std::max(nearest[i], 0)];
+    out[i] = nearest[i] < 0 ? std::numeric_limits<float>::quiet_NaN() : z;
+  }
   return result;
 }
 
