@@ -42,8 +42,6 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
   std::vector<std::size_t> members;
   for (const auto& [view, k] : views) members.push_back(k);
   std::sort(members.begin(), members.end());
-  for (std::size_t k = 0; k + free < count; ++k)
-    if (!std::binary_search(members.begin(), members.end(), k)) recent_[k].image.release();
   const int fixed = std::max(1, static_cast<int>(members.size()));
   for (std::size_t k = count - free; k < count; ++k) members.push_back(k);
 

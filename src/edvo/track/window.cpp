@@ -12,22 +12,6 @@ namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
 
-cv::Mat_<cv::Vec4f> with_gradient(const cv::Mat_<std::uint8_t>& gray) {
-  cv::Mat_<cv::Vec4f> image(gray.size());
-  for (int y = 0; y < gray.rows; ++y) {
-    const std::uint8_t* above = gray[std::max(y - 1, 0)];
-    const std::uint8_t* row = gray[y];
-    const std::uint8_t* below = gray[std::min(y + 1, gray.rows - 1)];
-    cv::Vec4f* out = image[y];
-    for (int x = 0; x < gray.cols; ++x) {
-      const int left = std::max(x - 1, 0), right = std::min(x + 1, gray.cols - 1);
-      out[x] = {static_cast<float>(row[x]), 0.5F * static_cast<float>(row[right] - row[left]),
-                0.5F * static_cast<float>(below[x] - above[x]), 0.F};
-    }
-  }
-  return image;
-}
-
 }  // namespace
 
 WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_key,
@@ -87,8 +71,6 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
   const int count = static_cast<int>(window.size());
   fixed = std::min(fixed, count - 1);
   if (count < 2) return {};
-  for (WindowKeyframe& key : window)
-    if (key.image.empty()) key.image = with_gradient(key.gray);
   WindowSystem system = linearize_window(window, camera, fixed, options);
   WindowSummary summary{1, system.cost, system.cost};
   double lambda = 1e-4;

@@ -66,7 +66,6 @@ struct WindowKeyframe {
   SE3 world_from_key;
   double gain = 1, bias = 0;      // I = gain * radiance + bias
   cv::Mat_<std::uint8_t> gray;    // level 0
-  cv::Mat_<cv::Vec4f> image;      // intensity, d/du, d/dv, 0; only while in a window
   cv::Mat_<float> inverse_depth;  // of every second pixel [1 / m], NaN = none or on a jump
   std::vector<WindowPoint> points;
 };

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/window_system.hpp"
 
+#include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace edvo {
 namespace {
@@ -17,6 +19,8 @@ constexpr float kOccluded = 1.10F;   // seen depth nearer by this factor: someth
 constexpr float kDepthHuber = 2.F;   // [sigmas]
 constexpr double kGainSigma = 0.3;   // prior of the brightness
 constexpr double kBiasSigma = 30.0;  // [grey levels]
+
+static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
 
 // Sums over a patch that all of its second derivatives are made of: the geometry is that of the
 // patch's centre, as in DSO, the residuals and gradients are each pixel's own.
@@ -40,16 +44,80 @@ struct Constants {
 // What a pair of keyframes adds; unknowns are the relative twist (moving host points), the gain and
 // the bias of the target. The host's own act through the same columns.
 struct PairSums {
-  std::array<float, kN * kN> hessian{};
+  std::array<float, kN * kN> hessian{};  // row-major
   std::array<float, kN> gradient{};
 };
 
-using Vec4 = float __attribute__((vector_size(16), aligned(4)));
+// An image at the pixels of a patch.
+struct Samples {
+  Floats value, gx, gy;  // [grey levels], [grey levels / px]
+};
 
-inline Vec4 load(const cv::Vec4f& v) {
-  Vec4 out;
-  __builtin_memcpy(&out, &v, sizeof out);
-  return out;
+// Byte k of each number.
+template <int k>
+[[gnu::always_inline]] inline void byte_of(const Ints& word, Floats& out) {
+  out = __builtin_convertvector((word >> (8 * k)) & 255, Floats);
+}
+
+// Bilinear, the gradient by central differences of the same interpolant. (u, v): two pixels of room
+// at least. Four neighbours in a row are read at once, the left one in the low byte.
+[[gnu::always_inline]] inline void sample(const cv::Mat_<std::uint8_t>& gray, const Floats& u,
+                                          const Floats& v, Samples& out) {
+  const Ints column = __builtin_convertvector(u, Ints);
+  const Ints row = __builtin_convertvector(v, Ints);
+  const Floats a = u - __builtin_convertvector(column, Floats);
+  const Floats b = v - __builtin_convertvector(row, Floats);
+  const auto stride = static_cast<std::int32_t>(gray.step[0]);
+  const Ints offset = (row - 1) * stride + column - 1;
+  const std::uint8_t* pixels = gray.data;
+  Ints rows[4];
+  for (int r = 0; r < 4; ++r) {
+    Ints words{};
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::int32_t word = 0;
+      std::memcpy(&word, pixels + offset[k] + r * stride, sizeof word);
+      words[k] = word;
+    }
+    rows[r] = words;
+  }
+  Floats at[4], left[2], right[2];  // interpolated along the rows at u, u - 1 and u + 1
+  for (int r = 0; r < 4; ++r) {
+    Floats p0, p1, p2, p3;
+    byte_of<1>(rows[r], p1);
+    byte_of<2>(rows[r], p2);
+    at[r] = p1 + a * (p2 - p1);
+    if (r != 1 && r != 2) continue;
+    byte_of<0>(rows[r], p0);
+    byte_of<3>(rows[r], p3);
+    left[r - 1] = p0 + a * (p1 - p0);
+    right[r - 1] = p2 + a * (p3 - p2);
+  }
+  out.value = at[1] + b * (at[2] - at[1]);
+  const Floats upper = right[0] - left[0], lower = right[1] - left[1];
+  out.gx = 0.5F * (upper + b * (lower - upper));
+  const Floats first = at[2] - at[0], second = at[3] - at[1];
+  out.gy = 0.5F * (first + b * (second - first));
+}
+
+// Halves, quarters: sums of eight lanes on their way to one.
+[[gnu::always_inline]] inline void sum_halves(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 2, 3, 8, 9, 10, 11}) +
+        __builtin_shuffle(a, b, Ints{4, 5, 6, 7, 12, 13, 14, 15});
+}
+
+[[gnu::always_inline]] inline void sum_quarters(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 8, 9, 4, 5, 12, 13}) +
+        __builtin_shuffle(a, b, Ints{2, 3, 10, 11, 6, 7, 14, 15});
+}
+
+// The sums over the lanes of eight numbers each.
+[[gnu::always_inline]] inline void sum_lanes(const Floats* in, float* out) {
+  Floats h[4], q[2];
+  for (int i = 0; i < 4; ++i) sum_halves(in[i], in[i + 4], h[i]);
+  sum_quarters(h[0], h[1], q[0]);
+  sum_quarters(h[2], h[3], q[1]);
+  lanes(out) = __builtin_shuffle(q[0], q[1], Ints{0, 2, 8, 10, 4, 6, 12, 14}) +
+               __builtin_shuffle(q[0], q[1], Ints{1, 3, 9, 11, 5, 7, 13, 15});
 }
 
 PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& target) {
@@ -77,27 +145,25 @@ EDVO_CLONES double add_pair(const Constants& c, const PairGeometry& g,
   const auto& R = g.rotation;
   const auto& t = g.translation;
   double total = 0;
+  const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const WindowPoint& point = points[i];
     float* couple = coupling + i * kN;
     const float rho = static_cast<float>(point.inverse_depth);
     const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
-    float x[kPatchSize], y[kPatchSize], u[kPatchSize], v[kPatchSize], iz[kPatchSize];
-    int visible = 1;
-    for (int k = 0; k < kPatchSize; ++k) {
-      const float rx = (point.u + kPatternX[k] - c.cx) / c.fx;
-      const float ry = (point.v + kPatternY[k] - c.cy) / c.fy;
-      const float qz = R[6] * rx + R[7] * ry + R[8] + tz;  // rho times the point in the target
-      iz[k] = 1.F / qz;
-      x[k] = (R[0] * rx + R[1] * ry + R[2] + tx) * iz[k];
-      y[k] = (R[3] * rx + R[4] * ry + R[5] + ty) * iz[k];
-      u[k] = c.fx * x[k] + c.cx;
-      v[k] = c.fy * y[k] + c.cy;
-      visible &= static_cast<int>(qz > 0.05F) & static_cast<int>(u[k] >= kMargin) &
-                 static_cast<int>(v[k] >= kMargin) & static_cast<int>(u[k] < c.limit_u) &
-                 static_cast<int>(v[k] < c.limit_v);
-    }
-    for (int j = 0; j < kN; ++j) couple[j] = 0;
+    const Floats rx = (point.u + pattern_x - c.cx) / c.fx;
+    const Floats ry = (point.v + pattern_y - c.cy) / c.fy;
+    const Floats qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
+    const Floats iz = 1.F / qz;
+    const Floats x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
+    const Floats y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
+    const Floats u = c.fx * x + c.cx;
+    const Floats v = c.fy * y + c.cy;
+    const Ints fits =
+        (qz > 0.05F) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
+    std::int32_t visible = -1;
+    for (int k = 0; k < kPatchSize; ++k) visible &= fits[k];
+    lanes(couple) = Floats{};
     if (visible == 0) {
       total += static_cast<double>(c.most);
       continue;
@@ -109,49 +175,36 @@ EDVO_CLONES double add_pair(const Constants& c, const PairGeometry& g,
       total += static_cast<double>(c.most);
       continue;
     }
-    float value[kPatchSize], gx[kPatchSize], gy[kPatchSize];
-    for (int k = 0; k < kPatchSize; ++k) {
-      const int column = static_cast<int>(u[k]), row = static_cast<int>(v[k]);
-      const float a = u[k] - static_cast<float>(column), b = v[k] - static_cast<float>(row);
-      const cv::Vec4f* top = target.image[row] + column;
-      const cv::Vec4f* bottom = target.image[row + 1] + column;
-      const Vec4 s = (1 - b) * ((1 - a) * load(top[0]) + a * load(top[1])) +
-                     b * ((1 - a) * load(bottom[0]) + a * load(bottom[1]));
-      value[k] = s[0];
-      gx[k] = s[1];
-      gy[k] = s[2];
-    }
-    float lanes[kSums][kPatchSize];
-    for (int k = 0; k < kPatchSize; ++k) {
-      const float radiance = point.intensity[static_cast<std::size_t>(k)] - g.bias_host;
-      const float r = (value[k] - g.gain * radiance - g.bias_target) * c.inverse_sigma;
-      const float size = std::abs(r);
-      const float inlier = std::min(size, c.huber);
-      const float softness = point.softness[static_cast<std::size_t>(k)];
-      const float w = softness * c.huber / std::max(size, c.huber);
-      const float a = -radiance * g.inverse_host_gain;
-      const float wx = w * gx[k], wy = w * gy[k], wa = w * a;
-      lanes[kXX][k] = wx * gx[k];
-      lanes[kXY][k] = wx * gy[k];
-      lanes[kYY][k] = wy * gy[k];
-      lanes[kXA][k] = wx * a;
-      lanes[kYA][k] = wy * a;
-      lanes[kX][k] = wx;
-      lanes[kY][k] = wy;
-      lanes[kAA][k] = wa * a;
-      lanes[kA][k] = wa;
-      lanes[kOne][k] = w;
-      lanes[kXR][k] = wx * r;
-      lanes[kYR][k] = wy * r;
-      lanes[kAR][k] = wa * r;
-      lanes[kR][k] = w * r;
-      lanes[kCost][k] = softness * inlier * (size - 0.5F * inlier);
-    }
-    float sum[kSums];
-    for (int s = 0; s < kSums; ++s) {
-      const float* l = lanes[s];
-      sum[s] = ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
-    }
+    Samples image;
+    sample(target.gray, u, v, image);
+    const Floats radiance = lanes(point.intensity.data()) - g.bias_host;
+    const Floats r = (image.value - g.gain * radiance - g.bias_target) * c.inverse_sigma;
+    const Floats size = r < 0.F ? -r : r;
+    const Floats inlier = size < c.huber ? size : Floats{} + c.huber;
+    const Floats larger = size > c.huber ? size : Floats{} + c.huber;
+    const Floats& softness = lanes(point.softness.data());
+    const Floats w = softness * c.huber / larger;
+    const Floats by_gain = -radiance * g.inverse_host_gain;
+    const Floats wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
+    const Floats patch[2 * kLanes] = {wx * image.gx,
+                                      wx * image.gy,
+                                      wy * image.gy,
+                                      wx * by_gain,
+                                      wy * by_gain,
+                                      wx,
+                                      wy,
+                                      wa * by_gain,
+                                      wa,
+                                      w,
+                                      wx * r,
+                                      wy * r,
+                                      wa * r,
+                                      w * r,
+                                      softness * inlier * (size - 0.5F * inlier),
+                                      Floats{}};
+    float sum[2 * kLanes];
+    sum_lanes(patch, sum);
+    sum_lanes(patch + kLanes, sum + kLanes);
     // Depth residual 1 / z - seen, where the target's depth is smooth.
     float cost = sum[kCost], depth_weight = 0;
     const float depth_error = inverse_z - seen;
@@ -159,8 +212,8 @@ EDVO_CLONES double add_pair(const Constants& c, const PairGeometry& g,
       const float bias = c.depth_bias * seen;
       const float variance = c.depth_variance + bias * bias;
       const float norm = std::abs(depth_error) / std::sqrt(variance);
-      const float inlier = std::min(norm, kDepthHuber);
-      cost += c.geometric * inlier * (norm - 0.5F * inlier);
+      const float fitting = std::min(norm, kDepthHuber);
+      cost += c.geometric * fitting * (norm - 0.5F * fitting);
       depth_weight = c.geometric / variance * kDepthHuber / std::max(norm, kDepthHuber);
     }
     if (!(cost <= c.most)) {
@@ -173,36 +226,29 @@ EDVO_CLONES double add_pair(const Constants& c, const PairGeometry& g,
     const float fx = c.fx, fy = c.fy, px = x[0], py = y[0];
     const float unit = -static_cast<float>(kBrightnessUnit);
     // d (u, v) / d xi at the centre; two zeros pad to the brightness columns.
-    const float du[kN] = {
+    const Floats du = {
         fx * inverse_z, 0, -fx * px * inverse_z, -fx * px * py, fx * (1 + px * px), -fx * py, 0, 0};
-    const float dv[kN] = {
+    const Floats dv = {
         0, fy * inverse_z, -fy * py * inverse_z, -fy * (1 + py * py), fy * px * py, fy * px, 0, 0};
-    float gu[kN], gv[kN];  // gradient-weighted columns of the Jacobian
-    for (int j = 0; j < kN; ++j) {
-      gu[j] = s2 * (sum[kXX] * du[j] + sum[kXY] * dv[j]);
-      gv[j] = s2 * (sum[kXY] * du[j] + sum[kYY] * dv[j]);
-    }
+    // Gradient-weighted columns of the Jacobian.
+    Floats gu = s2 * (sum[kXX] * du + sum[kXY] * dv);
+    Floats gv = s2 * (sum[kXY] * du + sum[kYY] * dv);
     gu[6] = s2 * sum[kXA];
     gu[7] = s2 * unit * sum[kX];
     gv[6] = s2 * sum[kYA];
     gv[7] = s2 * unit * sum[kY];
     // d (u, v) / d rho = f (t - (x, y) t_z) / q_z
     const float ru = fx * (t[0] - px * t[2]) * iz[0], rv = fy * (t[1] - py * t[2]) * iz[0];
-    for (int a = 0; a < 6; ++a)
-      for (int j = 0; j < kN; ++j)
-        pair.hessian[static_cast<std::size_t>(a * kN + j)] += du[a] * gu[j] + dv[a] * gv[j];
-    for (int j = 0; j < 6; ++j) {
-      pair.hessian[static_cast<std::size_t>(6 * kN + j)] += du[j] * gu[6] + dv[j] * gv[6];
-      pair.hessian[static_cast<std::size_t>(7 * kN + j)] += du[j] * gu[7] + dv[j] * gv[7];
-    }
+    float* const hessian = pair.hessian.data();
+    for (int a = 0; a < 6; ++a) lanes(hessian + a * kN) += du[a] * gu + dv[a] * gv;
+    lanes(hessian + 6 * kN) += du * gu[6] + dv * gv[6];
+    lanes(hessian + 7 * kN) += du * gu[7] + dv * gv[7];
     pair.hessian[6 * kN + 6] += s2 * sum[kAA];
     pair.hessian[6 * kN + 7] += s2 * unit * sum[kA];
     pair.hessian[7 * kN + 6] += s2 * unit * sum[kA];
     pair.hessian[7 * kN + 7] += s2 * unit * unit * sum[kOne];
-    for (int j = 0; j < kN; ++j) {
-      pair.gradient[static_cast<std::size_t>(j)] += s * (sum[kXR] * du[j] + sum[kYR] * dv[j]);
-      couple[j] = ru * gu[j] + rv * gv[j];
-    }
+    lanes(pair.gradient.data()) += s * (sum[kXR] * du + sum[kYR] * dv);
+    lanes(couple) = ru * gu + rv * gv;
     pair.gradient[6] += s * sum[kAR];
     pair.gradient[7] += s * unit * sum[kR];
     depths[i].gradient += s * (sum[kXR] * ru + sum[kYR] * rv);
