@@ -156,6 +156,19 @@ TEST(Robust, SigmaOfNormalResidualsIsTheirDeviation) {
   EXPECT_NEAR(mad_sigma(with_outliers), sigma, 0.25F * sigma);
 }
 
+TEST(Robust, SigmaIsTheMedianOfSizesWhateverTheirSignsAndLeavesNanOut) {
+  std::vector<float> residuals, sizes;
+  for (int i = 0; i < 501; ++i) {
+    const float size = std::exp(0.03F * static_cast<float>(i * 37 % 501 - 250));
+    residuals.push_back(i % 2 == 0 ? size : -size);
+    sizes.push_back(size);
+  }
+  std::sort(sizes.begin(), sizes.end());
+  residuals.insert(residuals.begin() + 100, 40, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(mad_sigma(residuals), 1.4826F * sizes[250]);
+  EXPECT_EQ(mad_sigma({}), 0);
+}
+
 TEST(Tracker, RecoversAMotionOnAPlane) {
   const Frame key = plane_frame({});
   Reference reference = make_reference(key, grid_pixels(key, 9), 40);

@@ -5,7 +5,7 @@
 #include "edvo/core/fields.hpp"
 
 #include <cmath>
-#include <vector>
+#include <span>
 
 namespace edvo {
 
@@ -42,8 +42,8 @@ struct RobustValue {
   return {};
 }
 
-// Sigma of the residuals by their median absolute deviation from zero: 1.4826 median |r|.
-// Reorders its argument. 0 for none.
-[[nodiscard]] float mad_sigma(std::vector<float>& residuals);
+// Sigma of the residuals by their median absolute deviation from zero: 1.4826 median |r|. NaN is
+// left out; 0 for none.
+[[nodiscard]] float mad_sigma(std::span<const float> residuals);
 
 }  // namespace edvo

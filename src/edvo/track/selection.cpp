@@ -18,44 +18,50 @@ float gradient_magnitude(const cv::Mat_<std::uint8_t>& gray, int x, int y) {
 
 }  // namespace
 
-std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int width, int cell,
+std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int width, int cell,
                                   int limit) {
+  const auto wanted = static_cast<std::size_t>(limit);
+  if (pixels.size() <= wanted) return pixels;
   const int columns = (width + cell - 1) / cell;
-  if (static_cast<int>(pixels.size()) <= limit) return pixels;
   const auto cell_of = [&](const SelectedPixel& p) {
-    return p.pixel.y / cell * columns + p.pixel.x / cell;
+    return static_cast<std::size_t>(p.pixel.y / cell * columns + p.pixel.x / cell);
   };
-  std::stable_sort(pixels.begin(), pixels.end(),
-                   [&](const SelectedPixel& a, const SelectedPixel& b) {
-                     return std::pair(cell_of(a), -a.gradient) < std::pair(cell_of(b), -b.gradient);
-                   });
-  std::vector<int> count_of_rank;
-  std::vector<int> ranks(pixels.size(), 0);
+  std::vector<std::vector<std::size_t>> cells;  // of pixels
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    ranks[i] = i > 0 && cell_of(pixels[i]) == cell_of(pixels[i - 1]) ? ranks[i - 1] + 1 : 0;
-    count_of_rank.resize(std::max<std::size_t>(count_of_rank.size(), ranks[i] + 1));
-    ++count_of_rank[static_cast<std::size_t>(ranks[i])];
+    const std::size_t c = cell_of(pixels[i]);
+    if (c >= cells.size()) cells.resize(c + 1);
+    cells[c].push_back(i);
   }
-  int last_whole_rank = -1, taken = 0;
-  while (taken + count_of_rank[static_cast<std::size_t>(last_whole_rank + 1)] <= limit)
-    taken += count_of_rank[static_cast<std::size_t>(++last_whole_rank)];
-  // Of the rank that does not fit whole, every k-th cell: still spread over the image.
-  const int partial = count_of_rank[static_cast<std::size_t>(last_whole_rank + 1)];
-  const int wanted = limit - taken;
-  std::vector<SelectedPixel> kept;
-  int seen = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (ranks[i] <= last_whole_rank) kept.push_back(pixels[i]);
-    if (ranks[i] != last_whole_rank + 1) continue;
-    if (static_cast<std::int64_t>(seen + 1) * wanted / partial >
-        static_cast<std::int64_t>(seen) * wanted / partial)
-      kept.push_back(pixels[i]);
-    ++seen;
+  // So many of each cell, the strongest first, and one more of some.
+  const auto taken = [&](std::size_t of_each) {
+    std::size_t sum = 0;
+    for (const auto& members : cells) sum += std::min(of_each, members.size());
+    return sum;
+  };
+  std::size_t of_each = 0;
+  while (taken(of_each + 1) <= wanted) ++of_each;
+  const std::size_t left = wanted - taken(of_each), larger = taken(of_each + 1) - taken(of_each);
+  const auto stronger = [&](std::size_t a, std::size_t b) {
+    return std::pair(-pixels[a].gradient, a) < std::pair(-pixels[b].gradient, b);
+  };
+  std::vector<std::size_t> kept;
+  std::size_t seen = 0;
+  for (auto& members : cells) {
+    std::size_t count = std::min(of_each, members.size());
+    if (members.size() > of_each) {  // every k-th of these: still spread over the image
+      count += (seen + 1) * left / larger - seen * left / larger;
+      ++seen;
+    }
+    const auto last = members.begin() + static_cast<std::ptrdiff_t>(count);
+    if (count < members.size() && count > 0)
+      std::nth_element(members.begin(), last - 1, members.end(), stronger);
+    kept.insert(kept.end(), members.begin(), last);
   }
-  std::sort(kept.begin(), kept.end(), [](const SelectedPixel& a, const SelectedPixel& b) {
-    return std::pair(a.pixel.y, a.pixel.x) < std::pair(b.pixel.y, b.pixel.x);
-  });
-  return kept;
+  std::sort(kept.begin(), kept.end());
+  std::vector<SelectedPixel> result;
+  result.reserve(kept.size());
+  for (const std::size_t i : kept) result.push_back(pixels[i]);
+  return result;
 }
 
 float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel, const SelectOptions& options) {
@@ -93,7 +99,7 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
       if (!std::isnan(depth)) pixels.push_back({{x, y}, depth, gradient});
     }
   }
-  return spread(std::move(pixels), gray.cols, options.cell, options.max_points);
+  return spread(pixels, gray.cols, options.cell, options.max_points);
 }
 
 std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const SelectOptions& options) {

@@ -59,8 +59,8 @@ struct SelectedPixel {
                                                      const SelectOptions& options);
 
 // At most `limit` of them: the strongest of every cell, then the second of every cell, and so on.
-// width: of the image [px].
-[[nodiscard]] std::vector<SelectedPixel> spread(std::vector<SelectedPixel> pixels, int width,
+// In the order given. width: of the image [px].
+[[nodiscard]] std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int width,
                                                 int cell, int limit);
 
 // Depth of a pixel on or near an edge; NaN where none can be trusted.

@@ -21,11 +21,17 @@ constexpr double kSharedError = 20.0;
 // xi, gain, bias / kIntensityUnit.
 using System = LinearSystem<8>;
 
+bool same(const Alignment& a, const Alignment& b) {
+  return a.cur_from_ref.rotation.coeffs() == b.cur_from_ref.rotation.coeffs() &&
+         a.cur_from_ref.translation == b.cur_from_ref.translation && a.gain == b.gain &&
+         a.bias == b.bias;
+}
+
 // One pyramid level as a least-squares problem with a fixed scale of the residuals.
 class LevelProblem {
  public:
   LevelProblem(const Reference& reference, const Frame& frame, std::size_t level,
-               const TrackOptions& options, float sigma)
+               const TrackOptions& options)
       : reference_(reference.levels[level]),
         surface_(reference.surface),
         edge_points_(reference.edge_points),
@@ -33,13 +39,22 @@ class LevelProblem {
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
         edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
-        options_(options),
-        sigma_(sigma) {}
+        options_(options) {}
+
+  // NaN where a point is not in view. Computed once for an alignment that is asked for again.
+  [[nodiscard]] const std::vector<float>& residuals(const Alignment& alignment) const {
+    if (residuals_.empty() || !same(alignment, residuals_at_)) {
+      photometric_residuals(reference_, current_, alignment, residuals_);
+      residuals_at_ = alignment;
+    }
+    return residuals_;
+  }
+
+  void set_sigma(float sigma) { sigma_ = sigma; }  // [grey levels]
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
-    photometric_residuals(reference_, current_, alignment, residuals_);
     const PhotometricSums photometric =
-        sum_photometric(reference_, residuals_, alignment.gain, sigma_, options_.loss,
+        sum_photometric(reference_, residuals(alignment), alignment.gain, sigma_, options_.loss,
                         static_cast<float>(options_.loss_parameter));
     System system;
     system.hessian = photometric.hessian;
@@ -100,17 +115,14 @@ class LevelProblem {
   const cv::Mat_<float>& depth_;
   const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
-  float sigma_;              // [grey levels]
+  float sigma_ = 10.F;       // [grey levels]
   double mean_depth_ = 1.5;  // [m]
   mutable std::vector<float> residuals_;
+  mutable Alignment residuals_at_;
 };
 
-float residual_sigma(const std::vector<float>& all, const TrackOptions& options) {
-  std::vector<float> seen;
-  seen.reserve(all.size());
-  for (const float r : all)
-    if (!std::isnan(r)) seen.push_back(r);
-  return std::max(static_cast<float>(options.min_sigma), mad_sigma(seen));
+float residual_sigma(const std::vector<float>& residuals, const TrackOptions& options) {
+  return std::max(static_cast<float>(options.min_sigma), mad_sigma(residuals));
 }
 
 // Pearson correlation of the reference's and the current intensities of the points in view: an
@@ -140,21 +152,19 @@ double coarse_cost(const Reference& reference, const Frame& frame, const Alignme
                    const TrackOptions& options) {
   const std::size_t l = std::min<std::size_t>(static_cast<std::size_t>(options.coarsest_level),
                                               frame.levels.size() - 1);
-  const LevelProblem problem(reference, frame, l, options, 10.F);
+  const LevelProblem problem(reference, frame, l, options);
   return problem.linearize(guess).cost;
 }
 
 TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
                   const TrackOptions& options) {
   TrackResult result{.alignment = guess};
-  std::vector<float> all;
   const int coarsest = std::min(options.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
   for (int l = coarsest; l >= std::min(options.finest_level, coarsest); --l) {
     const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(l)];
-    const Level& level = frame.levels[static_cast<std::size_t>(l)];
-    photometric_residuals(points, level, result.alignment, all);
-    const float sigma = residual_sigma(all, options);
-    const LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, sigma);
+    LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options);
+    const float sigma = residual_sigma(problem.residuals(result.alignment), options);
+    problem.set_sigma(sigma);
     const MinimizeSummary summary = minimize(
         problem, result.alignment,
         {.max_iterations = options.max_iterations, .step_tolerance = options.step_tolerance});
@@ -166,7 +176,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
          .converged = summary.converged});
     if (l > std::min(options.finest_level, coarsest)) continue;
 
-    photometric_residuals(points, level, result.alignment, all);
+    const std::vector<float>& all = problem.residuals(result.alignment);
     result.sigma = residual_sigma(all, options);
     result.correlation = correlation(points, result.alignment, all);
     int seen = 0, fitting = 0;
@@ -177,10 +187,9 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     const double n = std::max<double>(1.0, static_cast<double>(points.count));
     result.overlap = seen / n;
     result.inlier_ratio = fitting / std::max(1.0, static_cast<double>(seen));
-    const LevelProblem last(reference, frame, static_cast<std::size_t>(l), options,
-                            static_cast<float>(result.sigma));
+    problem.set_sigma(static_cast<float>(result.sigma));
     // Gain and bias are estimated too: what is known of the pose alone is the Schur complement.
-    const System system = last.linearize(result.alignment);
+    const System system = problem.linearize(result.alignment);
     const Eigen::Matrix2d affine = system.hessian.bottomRightCorner<2, 2>();
     const Eigen::Matrix<double, 6, 2> cross = system.hessian.topRightCorner<6, 2>();
     result.information =
