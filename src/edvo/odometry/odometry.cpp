@@ -16,9 +16,10 @@ namespace {
 
 constexpr double kCoarseStep = 0.05;    // [px of the level] ends a level: only a guess is wanted
 constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
-constexpr double kInDoubt = 1.25;       // the same while two motions are in view: prefer the deaf
-constexpr double kSecondTukey = 1.5;    // [sigmas] half of the points may not fit
-constexpr double kTwoMotions = 0.003;   // [widths of the image] poses that differ by more
+constexpr double kInDoubt = 1.25;       // the same of a second look while two motions are in view
+constexpr double kSecondTukey = 1.5;    // [sigmas]
+constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: not the same motion
+constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
 constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
@@ -162,22 +163,25 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
 }
 
 // From the likeliest guess; from the others if that fails. Looked at again where residuals are
-// large, and while two motions are in view.
+// large, the motion is sudden, or something else has been seen to move.
 TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignment>& guesses) {
   TrackResult result;
   for (const Alignment& guess : guesses) {
     result = track(reference, frame, guess, config.tracking);
     if (result.status == TrackStatus::kTracked) break;
   }
-  const bool suspicious =
-      two_motions > 0 || result.sigma >= config.coarse.second_look * usual_sigma;
+  const bool sudden = shift(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
+                            moved_by(inverse(last_from_cur)).cur_from_ref) > kUnexpected;
+  const double limit =
+      sudden ? std::min(1.0, config.coarse.second_look) : config.coarse.second_look;
+  const bool suspicious = two_motions > 0 || result.sigma >= limit * usual_sigma;
   return suspicious ? second_look(frame, std::move(result)) : result;
 }
 
 // Something large that moves on its own is what coarse levels see best, and they follow it; soon
 // after a keyframe its motion explains the image as well as the camera's does. Fine levels alone,
-// from where the camera may be, and deaf to what does not fit, find most points again. Where both
-// differ once, the benefit of the doubt is theirs for a while.
+// from the motion going on (or from none, if that is clearly better), and deaf to what does not
+// fit, find the camera's again. Once both have differed, the benefit of the doubt is the second's.
 TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) {
   TrackOptions options = config.tracking;
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
@@ -187,16 +191,16 @@ TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) 
   for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
     TrackResult other = track(reference, frame, guess, options);
     if (other.status != TrackStatus::kTracked) continue;
-    if (second.status == TrackStatus::kLost || other.sigma < second.sigma)
+    if (second.status == TrackStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
       second = std::move(other);
   }
-  const double limit = two_motions > 0 ? kInDoubt : kClearlyBetter;
+  const bool differ = shift(reference, options.finest_level, first.alignment.cur_from_ref,
+                            second.alignment.cur_from_ref) > kTwoMotions;
+  const double limit = two_motions > 0 ? kInDoubt : differ ? 1.0 : kClearlyBetter;
   two_motions = std::max(0, two_motions - 1);
   const bool better = first.status == TrackStatus::kLost || second.sigma < limit * first.sigma;
   if (second.status == TrackStatus::kLost || !better) return first;
-  if (shift(reference, options.finest_level, first.alignment.cur_from_ref,
-            second.alignment.cur_from_ref) > kTwoMotions)
-    two_motions = kReckoned;
+  if (differ) two_motions = kReckoned;
   return second;
 }
 
