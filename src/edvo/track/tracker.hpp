@@ -61,7 +61,7 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("min_inliers", self.min_inliers, Range{0, 1},
         "share of points in view that fit, below which a frame is lost [0..1]");
   visit("min_correlation", self.min_correlation, Range{-1, 1},
-        "correlation of the points' intensities in both images, below which a frame is lost");
+        "correlation of fitting points' intensities in both images, below which a frame is lost");
 }
 
 // One pyramid level of one frame's alignment.
