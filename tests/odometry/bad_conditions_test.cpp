@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What goes wrong in front of real cameras, one condition at a time, on rendered sequences. Bounds
-// are some times the errors seen; each condition is one rendering (docs/evaluation.md).
+// are about twice the errors seen (docs/evaluation.md).
 #include "edvo/odometry/odometry.hpp"
 #include "support/rendered_sequence.hpp"
 
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
 
 namespace edvo {
 namespace {
@@ -60,7 +61,7 @@ void expect_all_tracked(const Outcome& outcome, int frames, double worst) {
 TEST(BadConditions, AThirdOfDepthMissingIsTracked) {
   SequenceOptions options{.frames = 45, .sensor = {}};
   options.sensor.missing_share = 0.3;
-  expect_all_tracked(follow(options), 45, 0.031);
+  expect_all_tracked(follow(options), 45, 0.014);
 }
 
 TEST(BadConditions, AnExposureJumpIsTracked) {
@@ -68,28 +69,70 @@ TEST(BadConditions, AnExposureJumpIsTracked) {
     SequenceOptions options{.frames = 45, .sensor = {}};
     options.sensor.exposure_jump = jump;
     options.sensor.exposure_jump_time = 0.7;
-    expect_all_tracked(follow(options), 45, 0.028);
+    expect_all_tracked(follow(options), 45, 0.014);
   }
 }
 
 TEST(BadConditions, BlurIsTracked) {
-  expect_all_tracked(follow({.frames = 40, .exposure_time = 0.02, .sensor = {}}), 40, 0.034);
+  expect_all_tracked(follow({.frames = 40, .exposure_time = 0.02, .sensor = {}}), 40, 0.011);
 }
 
 TEST(BadConditions, TenDroppedFramesAreBridged) {
   std::set<int> dropped;
   for (int i = 20; i < 30; ++i) dropped.insert(i);
-  expect_all_tracked(follow({.frames = 50, .sensor = {}}, test::kQvgaCamera, dropped), 40, 0.031);
+  expect_all_tracked(follow({.frames = 50, .sensor = {}}, test::kQvgaCamera, dropped), 40, 0.02);
 }
 
 TEST(BadConditions, ABoxThatMovesAcrossAQuarterOfTheImageIsNotFollowed) {
-  expect_all_tracked(follow({.frames = 90, .moving_box = true, .sensor = {}}), 90, 0.058);
+  expect_all_tracked(follow({.frames = 90, .moving_box = true, .sensor = {}}), 90, 0.025);
 }
 
 TEST(BadConditions, NorIsABoxThatIsBlurred) {
   expect_all_tracked(
-      follow({.frames = 70, .exposure_time = 0.015, .moving_box = true, .sensor = {}}), 70, 0.1);
+      follow({.frames = 70, .exposure_time = 0.015, .moving_box = true, .sensor = {}}), 70, 0.025);
 }
+
+// Frames called tracked would be wrong by up to 1.4 m in these if the box were followed.
+struct BoxCase {
+  const char* name;
+  SequenceOptions options;
+  double worst;  // [m]
+};
+
+SequenceOptions box(SceneName scene, PathName path, int seed) {
+  return {
+      .scene = scene, .path = path, .seed = seed, .frames = 70, .moving_box = true, .sensor = {}};
+}
+
+SequenceOptions with_exposure_jump(SequenceOptions options) {
+  options.sensor.exposure_jump = 1.5;
+  options.sensor.exposure_jump_time = 1.1;
+  return options;
+}
+
+class MovingBox : public testing::TestWithParam<BoxCase> {};
+
+TEST_P(MovingBox, IsNotFollowed) {
+  expect_all_tracked(follow(GetParam().options), 70, GetParam().worst);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    BadConditions, MovingBox,
+    testing::Values(
+        BoxCase{"OfficeSeed1", box(SceneName::kOffice, PathName::kDemo, 1), 0.047},
+        BoxCase{"OfficeSeed21", box(SceneName::kOffice, PathName::kDemo, 21), 0.037},
+        BoxCase{"OfficeOrbit", box(SceneName::kOffice, PathName::kOrbit, 0), 0.022},
+        BoxCase{"OfficeXyz", box(SceneName::kOffice, PathName::kXyz, 0), 0.061},
+        BoxCase{"OfficeTurn", box(SceneName::kOffice, PathName::kPureRotation, 0), 0.016},
+        BoxCase{"OfficeExposureJump",
+                with_exposure_jump(box(SceneName::kOffice, PathName::kDemo, 0)), 0.025},
+        BoxCase{"LivingRoom", box(SceneName::kLivingRoom, PathName::kDemo, 0), 0.037},
+        BoxCase{"LivingRoomSeed2", box(SceneName::kLivingRoom, PathName::kDemo, 2), 0.063},
+        BoxCase{"LivingRoomOrbit", box(SceneName::kLivingRoom, PathName::kOrbit, 0), 0.042},
+        BoxCase{"DeskXyz", box(SceneName::kDesk, PathName::kXyz, 0), 0.015},
+        BoxCase{"Corridor", box(SceneName::kCorridor, PathName::kDemo, 0), 0.025},
+        BoxCase{"BoxesOrbitSeed30", box(SceneName::kBoxes, PathName::kOrbit, 30), 0.022}),
+    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(BadConditions, AWallWithoutTextureIsLost) {
   const Outcome outcome = follow({.scene = SceneName::kWall, .frames = 10, .sensor = {}});

@@ -169,6 +169,16 @@ TEST(Robust, SigmaIsTheMedianOfSizesWhateverTheirSignsAndLeavesNanOut) {
   EXPECT_EQ(mad_sigma({}), 0);
 }
 
+TEST(Shift, IsHowFarPosesMoveThePointsApartInWidthsOfTheImage) {
+  const Frame frame = plane_frame(SE3{});
+  const Reference reference = make_reference(frame, grid_pixels(frame, 20), 40);
+  const SE3 still, aside{.translation = {0.1, 0, 0}};
+  EXPECT_DOUBLE_EQ(shift(reference, 0, aside, aside), 0);
+  const double expected = kVgaCamera.fx * 0.1 / kPlane.distance / kVgaCamera.width;
+  EXPECT_NEAR(shift(reference, 0, still, aside), expected, 0.01 * expected);
+  EXPECT_NEAR(shift(reference, 1, still, aside), expected, 0.01 * expected);
+}
+
 TEST(Tracker, RecoversAMotionOnAPlane) {
   const Frame key = plane_frame({});
   Reference reference = make_reference(key, grid_pixels(key, 9), 40);

@@ -62,7 +62,7 @@ struct CoarseOptions {
   int finest_level = 3;
   int coarsest_level = 5;
   int step = 16;             // [px]
-  double second_look = 1.0;  // [1]
+  double second_look = 1.4;  // [1]
 };
 
 template <typename Self, typename Visitor>

@@ -16,7 +16,11 @@ namespace {
 
 constexpr double kCoarseStep = 0.05;    // [px of the level] ends a level: only a guess is wanted
 constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
-constexpr double kSecondTukey = 3.0;    // [sigmas]
+constexpr double kInDoubt = 1.25;       // the same of a second look while two motions are in view
+constexpr double kSecondTukey = 1.5;    // [sigmas]
+constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: not the same motion
+constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
+constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
 // The pose of a frame hangs on its keyframe's.
@@ -92,13 +96,14 @@ struct Odometry::State {
   double usual_sigma = 0;  // of tracked frames' residuals, 0 = none yet [grey levels]
   int since_keyframe = 0;  // frames
   int lost_in_a_row = 0;   // frames
+  int two_motions = 0;     // frames for which to reckon with something that moves on its own
 
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
   Alignment moved_by(const SE3& cur_from_last) const;
   std::vector<Alignment> guesses(const Frame& frame) const;
-  TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses) const;
-  TrackResult second_look(const Frame& frame, TrackResult first) const;
+  TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses);
+  TrackResult second_look(const Frame& frame, TrackResult first);
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
@@ -158,33 +163,45 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
 }
 
 // From the likeliest guess; from the others if that fails. Looked at again where residuals are
-// large.
-TrackResult Odometry::State::align(const Frame& frame,
-                                   const std::vector<Alignment>& guesses) const {
+// large, the motion is sudden, or something else has been seen to move.
+TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignment>& guesses) {
   TrackResult result;
   for (const Alignment& guess : guesses) {
     result = track(reference, frame, guess, config.tracking);
     if (result.status == TrackStatus::kTracked) break;
   }
-  const bool suspicious = result.sigma >= config.coarse.second_look * usual_sigma;
+  const bool sudden = shift(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
+                            moved_by(inverse(last_from_cur)).cur_from_ref) > kUnexpected;
+  const double limit =
+      sudden ? std::min(1.0, config.coarse.second_look) : config.coarse.second_look;
+  const bool suspicious = two_motions > 0 || result.sigma >= limit * usual_sigma;
   return suspicious ? second_look(frame, std::move(result)) : result;
 }
 
-// Something large that moves on its own is what coarse levels see best, and they follow it. Fine
-// levels alone, from where the camera may be, and deaf to what does not fit, find most points
-// again.
-TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) const {
+// Something large that moves on its own is what coarse levels see best, and they follow it; soon
+// after a keyframe its motion explains the image as well as the camera's does. Fine levels alone,
+// from the motion going on (or from none, if that is clearly better), and deaf to what does not
+// fit, find the camera's again. Once both have differed, the benefit of the doubt is the second's.
+TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) {
   TrackOptions options = config.tracking;
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
   options.loss = Loss::kTukey;
   options.loss_parameter = kSecondTukey;
-  TrackResult best = std::move(first);
+  TrackResult second;
   for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
     TrackResult other = track(reference, frame, guess, options);
-    if (other.status == TrackStatus::kTracked && other.sigma < kClearlyBetter * best.sigma)
-      best = std::move(other);
+    if (other.status != TrackStatus::kTracked) continue;
+    if (second.status == TrackStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
+      second = std::move(other);
   }
-  return best;
+  const bool differ = shift(reference, options.finest_level, first.alignment.cur_from_ref,
+                            second.alignment.cur_from_ref) > kTwoMotions;
+  const double limit = two_motions > 0 ? kInDoubt : differ ? 1.0 : kClearlyBetter;
+  two_motions = std::max(0, two_motions - 1);
+  const bool better = first.status == TrackStatus::kLost || second.sigma < limit * first.sigma;
+  if (second.status == TrackStatus::kLost || !better) return first;
+  if (differ) two_motions = kReckoned;
+  return second;
 }
 
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked.

@@ -14,6 +14,7 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 
 constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;  // [grey levels]
+constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
 constexpr double kSharedError = 20.0;
@@ -125,14 +126,14 @@ float residual_sigma(const std::vector<float>& residuals, const TrackOptions& op
   return std::max(static_cast<float>(options.min_sigma), mad_sigma(residuals));
 }
 
-// Pearson correlation of the reference's and the current intensities of the points in view: an
-// image that shows something else, or nothing, fits only with gain zero, which residuals do not
-// tell.
+// Pearson correlation of the reference's and the current intensities of the points whose residuals
+// are below a limit [grey levels]: an image that shows something else, or nothing, fits only with
+// gain zero, which residuals do not tell. Points hidden by something in front say nothing.
 double correlation(const ReferenceLevel& reference, const Alignment& alignment,
-                   const std::vector<float>& residuals) {
+                   const std::vector<float>& residuals, float limit) {
   double n = 0, a = 0, b = 0, aa = 0, bb = 0, ab = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
-    if (std::isnan(residuals[i])) continue;
+    if (!(std::abs(residuals[i]) < limit)) continue;
     const double before = static_cast<double>(reference.intensity[i]);
     const double now = static_cast<double>(residuals[i]) + alignment.gain * before + alignment.bias;
     n += 1;
@@ -156,6 +157,22 @@ double coarse_cost(const Reference& reference, const Frame& frame, const Alignme
   return problem.linearize(guess).cost;
 }
 
+double shift(const Reference& reference, int level, const SE3& a, const SE3& b) {
+  constexpr std::size_t kEvery = 8;  // points: a mean needs no more
+  const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(level)];
+  const auto project = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
+    const double z = std::max<double>(kNearest, p.z());
+    return {points.camera.fx * p.x() / z, points.camera.fy * p.y() / z};
+  };
+  double sum = 0;
+  int n = 0;
+  for (std::size_t i = 0; i < points.count; i += kEvery, ++n) {
+    const Eigen::Vector3d p = Eigen::Vector3f(points.x[i], points.y[i], points.z[i]).cast<double>();
+    sum += std::min<double>(points.camera.width, (project(a * p) - project(b * p)).norm());
+  }
+  return sum / std::max(1, n) / points.camera.width;
+}
+
 TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
                   const TrackOptions& options) {
   TrackResult result{.alignment = guess};
@@ -177,12 +194,14 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     if (l > std::min(options.finest_level, coarsest)) continue;
 
     const std::vector<float>& all = problem.residuals(result.alignment);
-    result.sigma = residual_sigma(all, options);
-    result.correlation = correlation(points, result.alignment, all);
+    const float spread = residual_sigma(all, options);
+    result.sigma = spread;
+    result.correlation =
+        correlation(points, result.alignment, all, kInlierSigmas * std::max(kLeastSpread, spread));
     int seen = 0, fitting = 0;
     for (const float r : all) {
       seen += std::isnan(r) ? 0 : 1;
-      fitting += std::abs(r) < kInlierSigmas * std::max(8.F, sigma) ? 1 : 0;
+      fitting += std::abs(r) < kInlierSigmas * std::max(kLeastSpread, sigma) ? 1 : 0;
     }
     const double n = std::max<double>(1.0, static_cast<double>(points.count));
     result.overlap = seen / n;

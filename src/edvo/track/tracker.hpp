@@ -61,7 +61,7 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("min_inliers", self.min_inliers, Range{0, 1},
         "share of points in view that fit, below which a frame is lost [0..1]");
   visit("min_correlation", self.min_correlation, Range{-1, 1},
-        "correlation of the points' intensities in both images, below which a frame is lost");
+        "correlation of fitting points' intensities in both images, below which a frame is lost");
 }
 
 // One pyramid level of one frame's alignment.
@@ -81,7 +81,7 @@ struct TrackResult {
   TrackStatus status = TrackStatus::kLost;
   double overlap = 0;              // [0..1]
   double inlier_ratio = 0;         // [0..1]
-  double correlation = 0;          // of the points' intensities in both images [-1..1]
+  double correlation = 0;          // of fitting points' intensities in both images [-1..1]
   double sigma = 0;                // of the residuals at the finest level [grey levels]
   std::vector<LevelStats> levels;  // coarse to fine
 };
@@ -92,5 +92,8 @@ struct TrackResult {
 // Mean robust cost of a guess at the coarsest level: to choose between guesses.
 [[nodiscard]] double coarse_cost(const Reference& reference, const Frame& frame,
                                  const Alignment& guess, const TrackOptions& options);
+
+// How far apart two poses cur_from_ref see the points of a level, on average [widths of the image].
+[[nodiscard]] double shift(const Reference& reference, int level, const SE3& a, const SE3& b);
 
 }  // namespace edvo
