@@ -2,6 +2,7 @@
 #include "edvo/odometry/local_map.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace edvo {
 namespace {
@@ -25,10 +26,11 @@ void LocalMap::add(const Frame& frame, const SE3& world_from_camera, const Align
   recent_.push_back(std::move(key));
   const auto limit = static_cast<std::size_t>(options.keyframes + options.memory);
   if (recent_.size() > limit) recent_.erase(recent_.begin());
-  refine(frame.levels.front().camera, options);
+  refined_ = false;
 }
 
 void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
+  if (std::exchange(refined_, true)) return;
   const std::size_t count = recent_.size();
   const std::size_t free = std::min(count, static_cast<std::size_t>(options.keyframes));
   std::vector<std::pair<double, std::size_t>>

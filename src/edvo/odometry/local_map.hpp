@@ -9,18 +9,20 @@ namespace edvo {
 
 class LocalMap {
  public:
-  // Adds a keyframe and refines it together with the last ones, held by older ones with the same
-  // view. from_last: brightness of the frame against the last keyframe.
+  // Adds a keyframe, to be refined. from_last: brightness of the frame against the last keyframe.
   void add(const Frame& frame, const SE3& world_from_camera, const Alignment& from_last,
            const std::vector<SelectedPixel>& pixels, const Config& config);
+
+  // Refines a keyframe just added together with the last ones, held by older ones with the same
+  // view. Does nothing the second time.
+  void refine(const Camera& camera, const WindowOptions& options);
 
   [[nodiscard]] const Trajectory& keyframes() const { return keyframes_; }
 
  private:
-  void refine(const Camera& camera, const WindowOptions& options);
-
   Trajectory keyframes_;                // all
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
+  bool refined_ = true;                 // the last of them
 };
 
 // Candidates for tracking before corner optimization: H x W, 255 = edge; everything without

@@ -254,6 +254,9 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   report.inlier_ratio = result.inlier_ratio;
   report.rms = result.sigma;
   report.points = result.levels.back().points;
+  // Of the keyframe before this frame: what a keyframe costs is shared by two frames.
+  map.refine(undistortion.camera, config.window);
+  report.milliseconds.window = watch.lap();
   const SE3 world_from_key = map.keyframes().back().world_from_camera;
   if (result.status == TrackStatus::kLost) {
     last_from_cur = alignment.cur_from_ref * inverse(starts.front().cur_from_ref);
@@ -330,16 +333,18 @@ FrameReport Odometry::process_prepared(const PreparedImage& image) {
 }
 
 Trajectory Odometry::trajectory() const {
+  const Trajectory keyframes = this->keyframes();
   Trajectory all;
   all.reserve(state_->frames.size());
   for (const FrameLink& link : state_->frames)
-    all.push_back({link.stamp, state_->map.keyframes()[link.keyframe].world_from_camera *
-                                   link.key_from_camera});
+    all.push_back({link.stamp, keyframes[link.keyframe].world_from_camera * link.key_from_camera});
   return all;
 }
 
 Trajectory Odometry::keyframes() const {
-  return state_->map.keyframes();
+  LocalMap map = state_->map;
+  map.refine(state_->undistortion.camera, state_->config.window);
+  return map.keyframes();
 }
 
 }  // namespace edvo
