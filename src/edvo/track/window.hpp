@@ -14,9 +14,9 @@ namespace edvo {
 
 struct WindowOptions {
   int keyframes = 7;
-  int anchors = 4;
+  int anchors = 5;
   int memory = 100;
-  int points = 200;
+  int points = 400;
   int iterations = 3;
   double tolerance = 1e-4;
   double sigma = 6.0;           // [grey levels]
