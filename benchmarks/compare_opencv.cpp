@@ -28,6 +28,14 @@ namespace {
 
 using namespace edvo;
 
+// Reads ahead and uses each frame in its turn; frames that cannot be read are left out.
+template <typename Read, typename Use>
+void read_ahead(Read read, std::size_t frames, const PrefetchOptions& ahead, Use use) {
+  Prefetch source(read, frames, ahead);
+  while (const auto fetched = source.next())
+    if (const auto* frame = std::get_if<0>(&fetched->content)) use(*frame);
+}
+
 // What is compared: images in, a trajectory out.
 class System {
  public:
@@ -38,12 +46,11 @@ class System {
   // With images read ahead; tells when each is done.
   virtual void process_all(const Dataset& dataset, std::size_t frames, const PrefetchOptions& ahead,
                            const std::function<void()>& done) {
-    Prefetch source([&](std::size_t i) { return read_frame(dataset, i); }, frames, ahead);
-    while (const auto fetched = source.next())
-      if (const auto* image = std::get_if<RgbdImage>(&fetched->content)) {
-        process(*image);
-        done();
-      }
+    const auto read = [&](std::size_t i) { return read_frame(dataset, i); };
+    read_ahead(read, frames, ahead, [&](const RgbdImage& image) {
+      process(image);
+      done();
+    });
   }
 };
 
@@ -57,13 +64,11 @@ class Edvo : public System {
   void process_all(const Dataset& dataset, std::size_t frames, const PrefetchOptions& ahead,
                    const std::function<void()>& done) override {
     cv::setNumThreads(std::max(1, ahead.threads - 1));
-    Prefetch source([&](std::size_t i) { return odometry_.prepare(read_frame(dataset, i)); },
-                    frames, ahead);
-    while (const auto fetched = source.next())
-      if (const auto* image = std::get_if<PreparedImage>(&fetched->content)) {
-        (void)odometry_.process_prepared(*image);
-        done();
-      }
+    const auto read = [&](std::size_t i) { return odometry_.prepare(read_frame(dataset, i)); };
+    read_ahead(read, frames, ahead, [&](const PreparedImage& image) {
+      (void)odometry_.process_prepared(image);
+      done();
+    });
     cv::setNumThreads(ahead.threads);
   }
 

@@ -97,6 +97,7 @@ void map_stage(benchmark::State& state) {
     LocalMap map = one;
     state.ResumeTiming();
     map.add(w.second, first_from_second, Alignment{}, pixels, w.config);
+    map.refine(w.sequence.camera.pinhole, w.config.window);
     benchmark::DoNotOptimize(map);
   }
 }

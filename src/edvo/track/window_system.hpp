@@ -2,20 +2,11 @@
 // The normal equations of a window of keyframes, inverse depths eliminated.
 #pragma once
 
-#include "edvo/track/window.hpp"
+#include "edvo/track/window_pair.hpp"
 
 #include <Eigen/Core>
 
 namespace edvo {
-
-constexpr int kKeyframeUnknowns = 8;      // xi, gain, bias / kBrightnessUnit
-constexpr double kBrightnessUnit = 64.0;  // [grey levels] makes gain and bias steps of like size
-
-// Own part of the unknown inverse depth of a point.
-struct DepthSystem {
-  float gradient = 0;
-  float curvature = 0;
-};
 
 struct WindowSystem {
   Eigen::MatrixXd hessian;  // of the free keyframes, depths eliminated

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/track/window_pair.hpp"
+
+#include "edvo/core/lanes.hpp"
+#include "edvo/core/simd.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace edvo {
+namespace {
+
+constexpr int kN = kKeyframeUnknowns;
+constexpr float kMargin = 3.F;      // [px] room that a patch needs
+constexpr float kSaturation = 6.F;  // [sigmas] what a patch out of view or not matching pays
+constexpr float kOccluded = 1.10F;  // seen depth nearer by this factor: something stands in front
+constexpr float kDepthHuber = 2.F;  // [sigmas]
+
+static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
+
+// Sums over a patch that all of its second derivatives are made of: the geometry is that of the
+// patch's centre, as in DSO, the residuals and gradients are each pixel's own.
+enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kCost, kSums };
+
+// An image at the pixels of a patch.
+struct Samples {
+  Floats value, gx, gy;  // [grey levels], [grey levels / px]
+};
+
+// Byte k of each number.
+template <int k>
+[[gnu::always_inline]] inline void byte_of(const Ints& word, Floats& out) {
+  out = __builtin_convertvector((word >> (8 * k)) & 255, Floats);
+}
+
+// Bilinear, the gradient by central differences of the same interpolant. (u, v): two pixels of room
+// at least. Four neighbours in a row are read at once, the left one in the low byte.
+[[gnu::always_inline]] inline void sample(const cv::Mat_<std::uint8_t>& gray, const Floats& u,
+                                          const Floats& v, Samples& out) {
+  const Ints column = __builtin_convertvector(u, Ints);
+  const Ints row = __builtin_convertvector(v, Ints);
+  const Floats a = u - __builtin_convertvector(column, Floats);
+  const Floats b = v - __builtin_convertvector(row, Floats);
+  const auto stride = static_cast<std::int32_t>(gray.step[0]);
+  const Ints offset = (row - 1) * stride + column - 1;
+  const std::uint8_t* pixels = gray.data;
+  Ints rows[4];
+  for (int r = 0; r < 4; ++r) {
+    Ints words{};
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::int32_t word = 0;
+      std::memcpy(&word, pixels + offset[k] + r * stride, sizeof word);
+      words[k] = word;
+    }
+    rows[r] = words;
+  }
+  Floats at[4], left[2], right[2];  // interpolated along the rows at u, u - 1 and u + 1
+  for (int r = 0; r < 4; ++r) {
+    Floats p0, p1, p2, p3;
+    byte_of<1>(rows[r], p1);
+    byte_of<2>(rows[r], p2);
+    at[r] = p1 + a * (p2 - p1);
+    if (r != 1 && r != 2) continue;
+    byte_of<0>(rows[r], p0);
+    byte_of<3>(rows[r], p3);
+    left[r - 1] = p0 + a * (p1 - p0);
+    right[r - 1] = p2 + a * (p3 - p2);
+  }
+  out.value = at[1] + b * (at[2] - at[1]);
+  const Floats upper = right[0] - left[0], lower = right[1] - left[1];
+  out.gx = 0.5F * (upper + b * (lower - upper));
+  const Floats first = at[2] - at[0], second = at[3] - at[1];
+  out.gy = 0.5F * (first + b * (second - first));
+}
+
+// Halves, quarters: sums of eight lanes on their way to one.
+[[gnu::always_inline]] inline void sum_halves(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 2, 3, 8, 9, 10, 11}) +
+        __builtin_shuffle(a, b, Ints{4, 5, 6, 7, 12, 13, 14, 15});
+}
+
+[[gnu::always_inline]] inline void sum_quarters(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 8, 9, 4, 5, 12, 13}) +
+        __builtin_shuffle(a, b, Ints{2, 3, 10, 11, 6, 7, 14, 15});
+}
+
+// The sums over the lanes of eight numbers each.
+[[gnu::always_inline]] inline void sum_lanes(const Floats* in, float* out) {
+  Floats h[4], q[2];
+  for (int i = 0; i < 4; ++i) sum_halves(in[i], in[i + 4], h[i]);
+  sum_quarters(h[0], h[1], q[0]);
+  sum_quarters(h[2], h[3], q[1]);
+  lanes(out) = __builtin_shuffle(q[0], q[1], Ints{0, 2, 8, 10, 4, 6, 12, 14}) +
+               __builtin_shuffle(q[0], q[1], Ints{1, 3, 9, 11, 5, 7, 13, 15});
+}
+
+}  // namespace
+
+PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& target) {
+  const SE3 target_from_host = inverse(target.world_from_key) * host.world_from_key;
+  const Eigen::Matrix3d R = target_from_host.rotation.toRotationMatrix();
+  PairGeometry g;
+  for (int i = 0; i < 9; ++i)
+    g.rotation[static_cast<std::size_t>(i)] = static_cast<float>(R(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i)
+    g.translation[static_cast<std::size_t>(i)] =
+        static_cast<float>(target_from_host.translation[i]);
+  g.adjoint = adjoint(target_from_host);
+  g.gain = static_cast<float>(target.gain / host.gain);
+  g.bias_host = static_cast<float>(host.bias);
+  g.bias_target = static_cast<float>(target.bias);
+  g.inverse_host_gain = static_cast<float>(1 / host.gain);
+  return g;
+}
+
+PairConstants pair_constants(const Camera& camera, const WindowOptions& options) {
+  const float huber = static_cast<float>(options.huber);
+  const double noise = options.depth_noise;
+  return {.fx = static_cast<float>(camera.fx),
+          .fy = static_cast<float>(camera.fy),
+          .cx = static_cast<float>(camera.cx),
+          .cy = static_cast<float>(camera.cy),
+          .limit_u = static_cast<float>(camera.width) - 1 - kMargin,
+          .limit_v = static_cast<float>(camera.height) - 1 - kMargin,
+          .inverse_sigma = static_cast<float>(1 / options.sigma),
+          .huber = huber,
+          .most = huber * (kSaturation - 0.5F * huber) * kPatchSize,
+          .geometric = static_cast<float>(options.geometric),
+          .depth_variance = static_cast<float>(2 * noise * noise),
+          .depth_bias = static_cast<float>(options.depth_bias)};
+}
+
+EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
+                            const std::vector<WindowPoint>& points, const WindowKeyframe& target,
+                            PairSums& pair, DepthSystem* depths, float* coupling) {
+  const auto& R = g.rotation;
+  const auto& t = g.translation;
+  double total = 0;
+  const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const WindowPoint& point = points[i];
+    float* couple = coupling + i * kN;
+    const float rho = static_cast<float>(point.inverse_depth);
+    const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
+    const Floats rx = (point.u + pattern_x - c.cx) / c.fx;
+    const Floats ry = (point.v + pattern_y - c.cy) / c.fy;
+    const Floats qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
+    const Floats iz = 1.F / qz;
+    const Floats x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
+    const Floats y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
+    const Floats u = c.fx * x + c.cx;
+    const Floats v = c.fy * y + c.cy;
+    const Ints fits =
+        (qz > 0.05F) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
+    std::int32_t visible = -1;
+    for (int k = 0; k < kPatchSize; ++k) visible &= fits[k];
+    lanes(couple) = Floats{};
+    if (visible == 0) {
+      total += static_cast<double>(c.most);
+      continue;
+    }
+    const float seen = target.inverse_depth(static_cast<int>(0.5F * v[0] + 0.5F),
+                                            static_cast<int>(0.5F * u[0] + 0.5F));
+    const float inverse_z = rho * iz[0];
+    if (seen > kOccluded * inverse_z) {
+      total += static_cast<double>(c.most);
+      continue;
+    }
+    Samples image;
+    sample(target.gray, u, v, image);
+    const Floats radiance = lanes(point.intensity.data()) - g.bias_host;
+    const Floats r = (image.value - g.gain * radiance - g.bias_target) * c.inverse_sigma;
+    const Floats size = r < 0.F ? -r : r;
+    const Floats inlier = size < c.huber ? size : Floats{} + c.huber;
+    const Floats larger = size > c.huber ? size : Floats{} + c.huber;
+    const Floats& softness = lanes(point.softness.data());
+    const Floats w = softness * c.huber / larger;
+    const Floats by_gain = -radiance * g.inverse_host_gain;
+    const Floats wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
+    const Floats patch[2 * kLanes] = {wx * image.gx,
+                                      wx * image.gy,
+                                      wy * image.gy,
+                                      wx * by_gain,
+                                      wy * by_gain,
+                                      wx,
+                                      wy,
+                                      wa * by_gain,
+                                      wa,
+                                      w,
+                                      wx * r,
+                                      wy * r,
+                                      wa * r,
+                                      w * r,
+                                      softness * inlier * (size - 0.5F * inlier),
+                                      Floats{}};
+    float sum[2 * kLanes];
+    sum_lanes(patch, sum);
+    sum_lanes(patch + kLanes, sum + kLanes);
+    // Depth residual 1 / z - seen, where the target's depth is smooth.
+    float cost = sum[kCost], depth_weight = 0;
+    const float depth_error = inverse_z - seen;
+    if (c.geometric > 0 && seen == seen) {
+      const float bias = c.depth_bias * seen;
+      const float variance = c.depth_variance + bias * bias;
+      const float norm = std::abs(depth_error) / std::sqrt(variance);
+      const float fitting = std::min(norm, kDepthHuber);
+      cost += c.geometric * fitting * (norm - 0.5F * fitting);
+      depth_weight = c.geometric / variance * kDepthHuber / std::max(norm, kDepthHuber);
+    }
+    if (!(cost <= c.most)) {
+      total += static_cast<double>(c.most);
+      continue;
+    }
+    total += static_cast<double>(cost);
+
+    const float s = c.inverse_sigma, s2 = s * s;
+    const float fx = c.fx, fy = c.fy, px = x[0], py = y[0];
+    const float unit = -static_cast<float>(kBrightnessUnit);
+    // d (u, v) / d xi at the centre; two zeros pad to the brightness columns.
+    const Floats du = {
+        fx * inverse_z, 0, -fx * px * inverse_z, -fx * px * py, fx * (1 + px * px), -fx * py, 0, 0};
+    const Floats dv = {
+        0, fy * inverse_z, -fy * py * inverse_z, -fy * (1 + py * py), fy * px * py, fy * px, 0, 0};
+    // Gradient-weighted columns of the Jacobian.
+    Floats gu = s2 * (sum[kXX] * du + sum[kXY] * dv);
+    Floats gv = s2 * (sum[kXY] * du + sum[kYY] * dv);
+    gu[6] = s2 * sum[kXA];
+    gu[7] = s2 * unit * sum[kX];
+    gv[6] = s2 * sum[kYA];
+    gv[7] = s2 * unit * sum[kY];
+    // d (u, v) / d rho = f (t - (x, y) t_z) / q_z
+    const float ru = fx * (t[0] - px * t[2]) * iz[0], rv = fy * (t[1] - py * t[2]) * iz[0];
+    float* const hessian = pair.hessian.data();
+    for (int a = 0; a < 6; ++a) lanes(hessian + a * kN) += du[a] * gu + dv[a] * gv;
+    lanes(hessian + 6 * kN) += du * gu[6] + dv * gv[6];
+    lanes(hessian + 7 * kN) += du * gu[7] + dv * gv[7];
+    pair.hessian[6 * kN + 6] += s2 * sum[kAA];
+    pair.hessian[6 * kN + 7] += s2 * unit * sum[kA];
+    pair.hessian[7 * kN + 6] += s2 * unit * sum[kA];
+    pair.hessian[7 * kN + 7] += s2 * unit * unit * sum[kOne];
+    lanes(pair.gradient.data()) += s * (sum[kXR] * du + sum[kYR] * dv);
+    lanes(couple) = ru * gu + rv * gv;
+    pair.gradient[6] += s * sum[kAR];
+    pair.gradient[7] += s * unit * sum[kR];
+    depths[i].gradient += s * (sum[kXR] * ru + sum[kYR] * rv);
+    depths[i].curvature +=
+        s2 * (ru * (sum[kXX] * ru + sum[kXY] * rv) + rv * (sum[kXY] * ru + sum[kYY] * rv));
+
+    // 1 / z of the point: d / d xi = -1/z^2 (0, 0, 1, y z, -x z, 0), d / d rho as below.
+    const float jz[3] = {-inverse_z * inverse_z, -inverse_z * py, inverse_z * px};
+    const float jr = (1 - tz * iz[0]) * iz[0];
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b)
+        pair.hessian[static_cast<std::size_t>((a + 2) * kN + b + 2)] +=
+            depth_weight * jz[a] * jz[b];
+      const float error = depth_weight > 0 ? depth_error : 0;
+      pair.gradient[static_cast<std::size_t>(a + 2)] += depth_weight * jz[a] * error;
+      couple[a + 2] += depth_weight * jr * jz[a];
+    }
+    depths[i].gradient += depth_weight > 0 ? depth_weight * jr * depth_error : 0;
+    depths[i].curvature += depth_weight * jr * jr;
+  }
+  return total;
+}
+
+}  // namespace edvo
