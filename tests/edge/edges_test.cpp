@@ -10,9 +10,9 @@ namespace edvo {
 namespace {
 
 // Bright squares of side `size` on black, corners at their four corners.
-cv::Mat_<float> squares(const std::vector<cv::Point>& at, int size) {
-  cv::Mat_<float> image(120, 160, 0.F);
-  for (const cv::Point& p : at) cv::rectangle(image, {p.x, p.y, size, size}, cv::Scalar(1), -1);
+cv::Mat_<std::uint8_t> squares(const std::vector<cv::Point>& at, int size) {
+  cv::Mat_<std::uint8_t> image(120, 160, std::uint8_t{0});
+  for (const cv::Point& p : at) cv::rectangle(image, {p.x, p.y, size, size}, cv::Scalar(255), -1);
   return image;
 }
 
@@ -29,9 +29,9 @@ TEST(Corners, AppearAtTheCornersOfASquareAndNotAlongItsSides) {
 }
 
 TEST(Corners, ResponseIsTheSmallerEigenvalue) {
-  cv::Mat_<float> ramp(40, 40);
+  cv::Mat_<std::uint8_t> ramp(40, 40);
   for (int y = 0; y < 40; ++y)
-    for (int x = 0; x < 40; ++x) ramp(y, x) = 0.01F * static_cast<float>(x);
+    for (int x = 0; x < 40; ++x) ramp(y, x) = static_cast<std::uint8_t>(3 * x);
   // A ramp has gradients in one direction only: the smaller eigenvalue is zero.
   EXPECT_NEAR(min_eigenvalue(ramp, 1.5)(20, 20), 0.F, 1e-7F);
 }
@@ -40,7 +40,7 @@ TEST(Corners, ACrowdedWindowIsClearedAndGetsItsBudgetBack) {
   std::vector<cv::Point> dense;  // 4 x 2-pixel squares within one 20 x 20 window
   for (const int x : {1, 11})
     for (const int y : {1, 11}) dense.push_back({x + 40, y + 40});
-  const cv::Mat_<float> image = squares(dense, 6);
+  const cv::Mat_<std::uint8_t> image = squares(dense, 6);
   const CornerOptions roomy{.quality = 0.01, .crowded = 1000};
   const CornerOptions strict{
       .quality = 0.01, .crowded = 4, .budget = 2, .strict_quality = 0.1, .min_distance = 6};
@@ -72,7 +72,7 @@ TEST(Corners, SecondExtractionKeepsItsDistance) {
 }
 
 TEST(Corners, ABlankImageHasNone) {
-  EXPECT_TRUE(optimize_corners(cv::Mat_<float>(60, 80, 0.F), {}).empty());
+  EXPECT_TRUE(optimize_corners(cv::Mat_<std::uint8_t>(60, 80, std::uint8_t{0}), {}).empty());
 }
 
 TEST(Corners, ADiscHoldsItsRadiusAndNoMore) {

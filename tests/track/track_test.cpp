@@ -276,26 +276,61 @@ TEST(Window, LeavesTheFixedKeyframesWhereTheyAre) {
   EXPECT_THAT(window[1].world_from_key, NearPose(poses[1], 1e-15));
 }
 
-TEST(Window, GradientMatchesNumericDifferencesOfTheCost) {
-  // Depths held so stiffly that eliminating them changes nothing.
-  const WindowOptions options{.depth_noise = 1e-7, .geometric = 0};
-  const std::vector<SE3> poses = {SE3{}, motion(0.06, 0.02, 0, 0, 0.01, 0)};
+// Three views of a plane, the last two a little off.
+std::vector<WindowKeyframe> disturbed_window(const WindowOptions& options) {
+  const std::vector<SE3> poses = {SE3{}, motion(0.06, 0.02, 0, 0, 0.01, 0),
+                                  motion(0.08, 0.06, 0.04, 0.01, 0, 0.03)};
   auto window = plane_window(poses, options);
-  window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
-  const WindowSystem system = linearize_window(window, kVgaCamera, 1, options);
+  window[1].world_from_key = poses[1] * motion(0.002, -0.001, 0.002, 0.001, 0.001, -0.001);
+  window[2].world_from_key = poses[2] * motion(-0.002, 0.002, 0.001, 0.001, -0.001, 0.001);
+  return window;
+}
+
+class WindowCost : public testing::TestWithParam<WindowPairs> {};
+
+TEST_P(WindowCost, GradientMatchesNumericDifferences) {
+  const WindowOptions options{.geometric = 0};
+  const auto window = disturbed_window(options);
+  const WindowSystem system = linearize_window(window, kVgaCamera, 1, GetParam(), options);
   constexpr double kStep = 1e-4;
-  for (int k = 0; k < 6; ++k) {
+  for (int k = 0; k < 12; ++k) {
     const auto cost = [&](double step) {
       auto moved = window;
       Vector6d xi = Vector6d::Zero();
-      xi[k] = step;
-      moved[1].world_from_key = window[1].world_from_key * exp(xi);
-      return linearize_window(moved, kVgaCamera, 1, options).cost;
+      xi[k % 6] = step;
+      auto& pose = moved[static_cast<std::size_t>(1 + k / 6)].world_from_key;
+      pose = pose * exp(xi);
+      return linearize_window(moved, kVgaCamera, 1, GetParam(), options).cost;
     };
     const double numeric = (cost(kStep) - cost(-kStep)) / (2 * kStep);
-    EXPECT_NEAR(system.gradient[k], numeric, 0.05 * system.gradient.head<6>().norm()) << k;
+    EXPECT_NEAR(system.gradient[8 * (k / 6) + k % 6], numeric, 0.05 * system.gradient.norm()) << k;
   }
 }
+
+TEST_P(WindowCost, MovesByAStepAsItsGradientSays) {
+  const WindowOptions options{};
+  auto window = disturbed_window(options);
+  const WindowSystem newest =
+      linearize_window(window, kVgaCamera, 1, WindowPairs::kNewest, options);
+  WindowSystem system = linearize_window(window, kVgaCamera, 1, WindowPairs::kOthers, options);
+  WindowStep step = solve(newest, system, 0);
+  if (GetParam() == WindowPairs::kNewest) system = newest;
+  apply_step(step, 1, window);
+  const WindowSystem before = system;
+  move_by(step, system);
+  const WindowSystem there = linearize_window(window, kVgaCamera, 1, GetParam(), options);
+  EXPECT_LT((system.gradient - there.gradient).norm(),
+            0.2 * (before.gradient - there.gradient).norm());
+  // Exact for a quadratic: the mean of the gradients at both ends times the step.
+  double change = 0.5 * step.keyframes.dot(before.gradient + system.gradient);
+  for (std::size_t i = 0; i < step.depths.size(); ++i)
+    change += 0.5 * static_cast<double>(step.depths[i] *
+                                        (before.depths[i].gradient + system.depths[i].gradient));
+  EXPECT_NEAR(system.cost - before.cost, change, 1e-3 * std::abs(change));
+}
+
+INSTANTIATE_TEST_SUITE_P(Pairs, WindowCost,
+                         testing::Values(WindowPairs::kNewest, WindowPairs::kOthers));
 
 TEST(Window, AnotherKeyframesViewIsSharedOnlyIfItLooksThere) {
   const auto window =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/edge/corners.hpp"
 
+#include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 
 #include <algorithm>
@@ -10,26 +11,6 @@
 
 namespace edvo {
 namespace {
-
-// Pixels whose response passes the threshold and is the largest of its 3x3 neighbourhood. Of equal
-// neighbours the first in row order wins, so that a plateau gives one corner.
-std::vector<Corner> local_maxima(const cv::Mat_<float>& response, float threshold) {
-  std::vector<Corner> corners;
-  for (int y = 1; y + 1 < response.rows; ++y) {
-    const float* above = response[y - 1];
-    const float* row = response[y];
-    const float* below = response[y + 1];
-    for (int x = 1; x + 1 < response.cols; ++x) {
-      const float r = row[x];
-      if (r <= threshold) continue;
-      const bool first = r > above[x - 1] && r > above[x] && r > above[x + 1] && r > row[x - 1];
-      const bool largest =
-          r >= row[x + 1] && r >= below[x - 1] && r >= below[x] && r >= below[x + 1];
-      if (first && largest) corners.push_back({{x, y}, r});
-    }
-  }
-  return corners;
-}
 
 bool far_from_all(const cv::Point& position, const std::vector<Corner>& kept, double distance) {
   return std::none_of(kept.begin(), kept.end(), [&](const Corner& corner) {
@@ -64,22 +45,13 @@ std::vector<float> gaussian(double sigma) {
   return half;
 }
 
-// Row by row, so that everything between the image and the response stays in the cache.
-struct RowBuffers {
-  RowBuffers(int columns, int radius) {
-    for (auto& row : products) row.resize(static_cast<std::size_t>(columns + 2 * radius));
-    for (auto& row : sums) row.resize(static_cast<std::size_t>(columns));
-  }
-  std::array<std::vector<float>, 3> products;  // xx, xy, yy
-  std::array<std::vector<float>, 3> sums;      // of them over the window
-};
+// As many numbers as stay in registers while a kernel passes over them.
+constexpr int kStrip = 2 * static_cast<int>(kLanes);
 
 // Squares and product of Sobel's gradient, from three rows of count + 2 pixels.
 EDVO_CLONES void gradient_products(const float* above, const float* row, const float* below,
-                                   int count, RowBuffers& buffers) {
-  float* __restrict xx = buffers.products[0].data();
-  float* __restrict xy = buffers.products[1].data();
-  float* __restrict yy = buffers.products[2].data();
+                                   int count, float* __restrict xx, float* __restrict xy,
+                                   float* __restrict yy) {
   for (int x = 0; x < count; ++x) {
     const float gx = 0.125F * ((above[x + 2] - above[x]) + 2 * (row[x + 2] - row[x]) +
                                (below[x + 2] - below[x]));
@@ -91,28 +63,20 @@ EDVO_CLONES void gradient_products(const float* above, const float* row, const f
   }
 }
 
-// in: count + 2 radius values.
-EDVO_CLONES void blur_row(const float* in, const std::vector<float>& kernel, int count,
-                          float* __restrict out) {
-  const int radius = static_cast<int>(kernel.size()) - 1;
-  const float* centre = in + radius;
-  for (int x = 0; x < count; ++x) out[x] = kernel[0] * centre[x];
-  for (int i = 1; i <= radius; ++i) {
-    const float weight = kernel[static_cast<std::size_t>(i)];
-    for (int x = 0; x < count; ++x) out[x] += weight * (centre[x - i] + centre[x + i]);
-  }
-}
-
-// Around row `middle` of a ring of `length` rows that starts at row `first` of the matrix.
-EDVO_CLONES void blur_column(const cv::Mat_<float>& ring, int first, int length, int middle,
-                             const std::vector<float>& kernel, float* __restrict out) {
-  const float* centre = ring[first + middle % length];
-  for (int x = 0; x < ring.cols; ++x) out[x] = kernel[0] * centre[x];
-  for (int i = 1; i < static_cast<int>(kernel.size()); ++i) {
-    const float weight = kernel[static_cast<std::size_t>(i)];
-    const float* above = ring[first + (middle - i) % length];
-    const float* below = ring[first + (middle + i) % length];
-    for (int x = 0; x < ring.cols; ++x) out[x] += weight * (above[x] + below[x]);
+// The weighted sum of rows[0..2 radius], rows[radius] the middle one. half_kernel: its centre
+// first. count: a multiple of kStrip.
+EDVO_CLONES void weighted_sum(const float* const* rows, const float* half_kernel, int radius,
+                              int count, float* out) {
+  for (int x = 0; x < count; x += kStrip) {
+    const float* middle = rows[radius] + x;
+    Floats a = half_kernel[0] * lanes(middle), b = half_kernel[0] * lanes(middle + kLanes);
+    for (int i = 1; i <= radius; ++i) {
+      const float *before = rows[radius - i] + x, *after = rows[radius + i] + x;
+      a += half_kernel[i] * (lanes(before) + lanes(after));
+      b += half_kernel[i] * (lanes(before + kLanes) + lanes(after + kLanes));
+    }
+    lanes(out + x) = a;
+    lanes(out + x + kLanes) = b;
   }
 }
 
@@ -125,45 +89,108 @@ EDVO_CLONES void smaller_eigenvalue(const float* xx, const float* xy, const floa
   }
 }
 
-}  // namespace
+// Row of an image with `border` more pixels on each side, [0..1].
+void wide_row(const cv::Mat_<std::uint8_t>& image, int y, int border, float* out) {
+  constexpr float kScale = 1.F / 255;
+  const std::uint8_t* row = image[cv::borderInterpolate(y, image.rows, cv::BORDER_REFLECT_101)];
+  for (int x = 0; x < image.cols; ++x) out[border + x] = kScale * static_cast<float>(row[x]);
+  for (int x = -border; x < 0; ++x) {
+    const int right = image.cols - 1 - x;
+    out[border + x] = out[border + cv::borderInterpolate(x, image.cols, cv::BORDER_REFLECT_101)];
+    out[border + right] =
+        out[border + cv::borderInterpolate(right, image.cols, cv::BORDER_REFLECT_101)];
+  }
+}
 
-cv::Mat_<float> min_eigenvalue(const cv::Mat_<float>& image, double window_sigma) {
+// Calls visit(y, response) for each row from the top. Row by row, so that everything between the
+// image and the response stays in the cache.
+template <typename Visitor>
+void for_each_response_row(const cv::Mat_<std::uint8_t>& image, double window_sigma,
+                           Visitor&& visit) {
   const std::vector<float> kernel = gaussian(window_sigma);
   const int radius = static_cast<int>(kernel.size()) - 1;
-  cv::Mat_<float> wide;  // one more pixel all around for the differences
-  cv::copyMakeBorder(image, wide, radius + 1, radius + 1, radius + 1, radius + 1,
-                     cv::BORDER_REFLECT_101);
   const int length = 2 * radius + 1;
-  RowBuffers buffers(image.cols, radius);
-  cv::Mat_<float> blurred(3 * length, image.cols);  // the last rows of xx, xy and yy, in a ring
-  cv::Mat_<float> response(image.size());
-  for (int y = 0; y < wide.rows - 2; ++y) {
-    gradient_products(wide[y], wide[y + 1], wide[y + 2], wide.cols - 2, buffers);
-    const int slot = y % length;
-    for (int p = 0; p < 3; ++p)
-      blur_row(buffers.products[static_cast<std::size_t>(p)].data(), kernel, image.cols,
-               blurred[p * length + slot]);
+  const int border = radius + 1;  // one more for the differences
+  const int columns = (image.cols + kStrip - 1) / kStrip * kStrip;
+  cv::Mat_<float> pixels(3, image.cols + 2 * border);  // rings of rows
+  cv::Mat_<float> products(3, columns + 2 * radius, 0.F), blurred(3 * length, columns);
+  cv::Mat_<float> sums(3, columns);  // of xx, xy and yy over the window
+  std::vector<const float*> rows(static_cast<std::size_t>(length));
+  std::vector<float> response(static_cast<std::size_t>(image.cols));
+  for (int i = 0; i < image.rows + 2 * border; ++i) {
+    wide_row(image, i - border, border, pixels[i % 3]);
+    const int y = i - 2;  // of the products, counted from the first
+    if (y < 0) continue;
+    gradient_products(pixels[y % 3], pixels[(y + 1) % 3], pixels[(y + 2) % 3],
+                      image.cols + 2 * radius, products[0], products[1], products[2]);
+    for (int p = 0; p < 3; ++p) {
+      for (int k = 0; k < length; ++k) rows[static_cast<std::size_t>(k)] = products[p] + k;
+      weighted_sum(rows.data(), kernel.data(), radius, columns, blurred[p * length + y % length]);
+    }
     if (y < 2 * radius) continue;
-    for (int p = 0; p < 3; ++p)
-      blur_column(blurred, p * length, length, y - radius, kernel,
-                  buffers.sums[static_cast<std::size_t>(p)].data());
-    smaller_eigenvalue(buffers.sums[0].data(), buffers.sums[1].data(), buffers.sums[2].data(),
-                       image.cols, response[y - 2 * radius]);
+    for (int p = 0; p < 3; ++p) {
+      for (int k = 0; k < length; ++k)
+        rows[static_cast<std::size_t>(k)] = blurred[p * length + (y - 2 * radius + k) % length];
+      weighted_sum(rows.data(), kernel.data(), radius, columns, sums[p]);
+    }
+    smaller_eigenvalue(sums[0], sums[1], sums[2], image.cols, response.data());
+    visit(y - 2 * radius, response.data());
   }
+}
+
+// 1 where a response is positive and the largest of its 3x3 neighbourhood. Of equal neighbours the
+// first in row order wins, so that a plateau gives one corner.
+EDVO_CLONES void mark_maxima(const float* above, const float* row, const float* below, int count,
+                             std::uint8_t* __restrict marks) {
+  for (int x = 1; x + 1 < count; ++x) {
+    const float r = row[x];
+    const bool first = (r > above[x - 1]) & (r > above[x]) & (r > above[x + 1]) & (r > row[x - 1]);
+    const bool largest =
+        (r >= row[x + 1]) & (r >= below[x - 1]) & (r >= below[x]) & (r >= below[x + 1]);
+    marks[x] = (r > 0.F) & first & largest;
+  }
+}
+
+// In row order, above the given share of the strongest response.
+std::vector<Corner> local_maxima(const cv::Mat_<std::uint8_t>& image,
+                                 const CornerOptions& options) {
+  const auto width = static_cast<std::size_t>(image.cols);
+  std::vector<Corner> corners;
+  float strongest = 0;
+  cv::Mat_<float> ring(3, image.cols);
+  std::vector<std::uint8_t> marks(width);
+  for_each_response_row(image, options.window_sigma, [&](int y, const float* response) {
+    std::copy_n(response, width, ring[y % 3]);
+    strongest = std::max(strongest, *std::max_element(response, response + width));
+    if (y < 2) return;
+    const float* row = ring[(y - 1) % 3];
+    mark_maxima(ring[(y - 2) % 3], row, ring[y % 3], image.cols, marks.data());
+    for (auto mark = marks.begin(); (mark = std::find(mark, marks.end(), 1)) != marks.end();
+         ++mark) {
+      const int x = static_cast<int>(mark - marks.begin());
+      corners.push_back({{x, y - 1}, row[x]});
+    }
+  });
+  const auto threshold = static_cast<float>(options.quality * static_cast<double>(strongest));
+  std::erase_if(corners, [&](const Corner& corner) { return corner.response <= threshold; });
+  return corners;
+}
+
+}  // namespace
+
+cv::Mat_<float> min_eigenvalue(const cv::Mat_<std::uint8_t>& image, double window_sigma) {
+  cv::Mat_<float> response(image.size());
+  for_each_response_row(image, window_sigma, [&](int y, const float* row) {
+    std::copy_n(row, image.cols, response[y]);
+  });
   return response;
 }
 
-std::vector<Corner> optimize_corners(const cv::Mat_<float>& strength,
+std::vector<Corner> optimize_corners(const cv::Mat_<std::uint8_t>& edges,
                                      const CornerOptions& options) {
-  const cv::Mat_<float> response = min_eigenvalue(strength, options.window_sigma);
-  double strongest = 0;
-  cv::minMaxLoc(response, nullptr, &strongest);
-  if (strongest <= 0) return {};
-  const std::vector<Corner> all =
-      local_maxima(response, static_cast<float>(options.quality * strongest));
-
-  const int columns = (strength.cols + options.window - 1) / options.window;
-  const int rows = (strength.rows + options.window - 1) / options.window;
+  const std::vector<Corner> all = local_maxima(edges, options);
+  const int columns = (edges.cols + options.window - 1) / options.window;
+  const int rows = (edges.rows + options.window - 1) / options.window;
   std::vector<std::vector<Corner>> windows(static_cast<std::size_t>(columns * rows));
   for (const Corner& corner : all) {
     const int index =

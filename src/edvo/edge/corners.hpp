@@ -45,11 +45,14 @@ struct Corner {
   float response = 0;  // min(lambda_1, lambda_2), eq. 3
 };
 
-// R = min(lambda_1, lambda_2) of the structure tensor with a Gaussian window. image: H x W, [0..1].
-[[nodiscard]] cv::Mat_<float> min_eigenvalue(const cv::Mat_<float>& image, double window_sigma);
+// R = min(lambda_1, lambda_2) of the structure tensor with a Gaussian window. image: H x W, 255
+// = 1.
+[[nodiscard]] cv::Mat_<float> min_eigenvalue(const cv::Mat_<std::uint8_t>& image,
+                                             double window_sigma);
 
 // Local maxima of the response above tau_c, thinned where they crowd; in row order.
-[[nodiscard]] std::vector<Corner> optimize_corners(const cv::Mat_<float>& strength,
+// edges: H x W, 255 = edge.
+[[nodiscard]] std::vector<Corner> optimize_corners(const cv::Mat_<std::uint8_t>& edges,
                                                    const CornerOptions& options);
 
 // H x W, 255 within the discs.

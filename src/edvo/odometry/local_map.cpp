@@ -74,10 +74,8 @@ cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undisto
 cv::Mat_<std::uint8_t> with_corner_discs(const cv::Mat_<std::uint8_t>& edges,
                                          const CornerOptions& options) {
   if (!options.enabled) return edges;
-  cv::Mat_<float> strength;
-  edges.convertTo(strength, CV_32F, 1.0 / 255);
   cv::Mat_<std::uint8_t> mask =
-      draw_discs(edges.size(), optimize_corners(strength, options), options.disc_radius);
+      draw_discs(edges.size(), optimize_corners(edges, options), options.disc_radius);
   mask |= edges;
   return mask;
 }

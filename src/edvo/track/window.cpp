@@ -3,7 +3,6 @@
 
 #include "edvo/track/window_system.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
@@ -11,6 +10,7 @@ namespace edvo {
 namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
+constexpr double kDamping = 1e-4;
 
 }  // namespace
 
@@ -71,28 +71,23 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
   const int count = static_cast<int>(window.size());
   fixed = std::min(fixed, count - 1);
   if (count < 2) return {};
-  WindowSystem system = linearize_window(window, camera, fixed, options);
-  WindowSummary summary{1, system.cost, system.cost};
-  double lambda = 1e-4;
+  WindowSystem others = linearize_window(window, camera, fixed, WindowPairs::kOthers, options);
+  WindowSystem newest = linearize_window(window, camera, fixed, WindowPairs::kNewest, options);
+  const double first_cost = others.cost + newest.cost;
+  WindowSummary summary{1, first_cost, first_cost};
   while (summary.iterations < options.iterations) {
-    Eigen::MatrixXd damped = system.hessian;
-    damped.diagonal() *= 1 + lambda;
-    const Eigen::VectorXd step = -damped.ldlt().solve(system.gradient);
-    if (!step.allFinite()) break;
-    const std::vector<WindowKeyframe> before = window;
-    apply_step(system, step, fixed, window);
-    WindowSystem next = linearize_window(window, camera, fixed, options);
+    WindowStep step = solve(others, newest, kDamping);
+    if (!step.keyframes.allFinite()) break;
+    std::vector<WindowKeyframe> moved = window;
+    apply_step(step, fixed, moved);
+    move_by(step, others);
+    newest = linearize_window(moved, camera, fixed, WindowPairs::kNewest, options);
+    const double gained = summary.last_cost - (others.cost + newest.cost);
+    if (gained <= 0) break;
     ++summary.iterations;
-    if (next.cost < system.cost) {
-      const double gained = system.cost - next.cost;
-      system = std::move(next);
-      summary.last_cost = system.cost;
-      lambda = std::max(1e-7, lambda * 0.25);
-      if (gained < options.tolerance * system.cost) break;
-    } else {
-      window = before;
-      lambda *= 16;
-    }
+    window = std::move(moved);
+    summary.last_cost -= gained;
+    if (gained < options.tolerance * summary.last_cost) break;
   }
   return summary;
 }

@@ -13,11 +13,11 @@
 namespace edvo {
 
 struct WindowOptions {
-  int keyframes = 7;
+  int keyframes = 6;
   int anchors = 5;
   int memory = 100;
   int points = 400;
-  int iterations = 3;
+  int iterations = 5;
   double tolerance = 1e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]
