@@ -13,7 +13,7 @@
 namespace edvo {
 
 struct WindowOptions {
-  int keyframes = 6;
+  int keyframes = 7;
   int anchors = 5;
   int memory = 100;
   int points = 400;
