@@ -216,6 +216,20 @@ TEST(Tracker, SaysLostOnAnUnrelatedImage) {
   EXPECT_TRUE(is_finite(result.alignment.cur_from_ref));
 }
 
+TEST(Surface, SigmaIsTheNoiseOfTheSensorOnceAligned) {
+  const SE3 moved = motion(0.03, 0.01, -0.02, 0.01, -0.01, 0.005);
+  const Frame key = plane_frame({}), current = plane_frame(moved);
+  const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
+  EXPECT_LT(surface_sigma(surface, kVgaCamera, current.depth, inverse(moved)), 1e-4F);
+  EXPECT_GT(surface_sigma(surface, kVgaCamera, current.depth, SE3{}), 3e-3F);
+  cv::Mat_<float> noisy = current.depth.clone();
+  constexpr double kSigma = 0.002;  // [1 / m]
+  cv::RNG random(7);
+  for (float& z : noisy) z = 1 / (1 / z + static_cast<float>(random.gaussian(kSigma)));
+  EXPECT_NEAR(surface_sigma(surface, kVgaCamera, noisy, inverse(moved)), kSigma, 3e-4);
+  EXPECT_EQ(surface_sigma({}, kVgaCamera, noisy, SE3{}), 0.F);
+}
+
 TEST(Tracker, InformationIsSymmetricAndPositive) {
   const Frame key = plane_frame({});
   const Reference reference = make_reference(key, grid_pixels(key, 9), 40);

@@ -265,4 +265,29 @@ PoseSums sum_surface(const SurfacePoints& surface, const Camera& camera,
   return sums;
 }
 
+float surface_sigma(const SurfacePoints& surface, const Camera& camera,
+                    const cv::Mat_<float>& depth, const SE3& cur_from_ref) {
+  constexpr std::size_t kEvery = 4;  // points: a median needs no more
+  const Eigen::Matrix3f R = cur_from_ref.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f t = cur_from_ref.translation.cast<float>();
+  const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  std::vector<float> errors;
+  errors.reserve(surface.x.size() / kEvery + 1);
+  for (std::size_t i = 0; i < surface.x.size(); i += kEvery) {
+    const Eigen::Vector3f q = R * Eigen::Vector3f(surface.x[i], surface.y[i], surface.z[i]) + t;
+    const float u = fx * q.x() / q.z() + cx + 0.5F, v = fy * q.y() / q.z() + cy + 0.5F;
+    const bool visible = surface.z[i] > 0 && q.z() > kNearest && u >= 0 && v >= 0 &&
+                         u < static_cast<float>(depth.cols) && v < static_cast<float>(depth.rows);
+    if (!visible) continue;
+    const int column = static_cast<int>(u), row = static_cast<int>(v);
+    const float z = depth(row, column);
+    const Eigen::Vector3f seen((static_cast<float>(column) - cx) / fx * z,
+                               (static_cast<float>(row) - cy) / fy * z, z);
+    const Eigen::Vector3f normal(surface.nx[i], surface.ny[i], surface.nz[i]);
+    errors.push_back((normal.dot(R.transpose() * (seen - t)) - 1.F) / surface.z[i]);
+  }
+  return mad_sigma(errors);
+}
+
 }  // namespace edvo

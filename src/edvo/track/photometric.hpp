@@ -56,4 +56,8 @@ struct PoseSums {
                                    const cv::Mat_<float>& depth, const SE3& cur_from_ref,
                                    float noise, float weight);
 
+// Sigma of those residuals as one of inverse depth [1 / m], from their median; 0 without any.
+[[nodiscard]] float surface_sigma(const SurfacePoints& surface, const Camera& camera,
+                                  const cv::Mat_<float>& depth, const SE3& cur_from_ref);
+
 }  // namespace edvo

@@ -15,6 +15,7 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;  // [grey levels]
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
+constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
 constexpr double kSharedError = 20.0;
@@ -40,7 +41,8 @@ class LevelProblem {
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
         edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
-        options_(options) {}
+        options_(options),
+        depth_noise_(static_cast<float>(options.depth_noise)) {}
 
   // NaN where a point is not in view. Computed once for an alignment that is asked for again.
   [[nodiscard]] const std::vector<float>& residuals(const Alignment& alignment) const {
@@ -53,6 +55,14 @@ class LevelProblem {
 
   void set_sigma(float sigma) { sigma_ = sigma; }  // [grey levels]
 
+  // The sensor may be better than we think, or exact; alignment that is still off makes its
+  // residuals large, and then what we think of it holds.
+  void set_depth_noise(const SE3& cur_from_ref) {
+    const auto most = static_cast<float>(options_.depth_noise);
+    depth_noise_ = std::clamp(surface_sigma(surface_, full_camera_, depth_, cur_from_ref),
+                              kLeastDepthNoise * most, most);
+  }
+
   [[nodiscard]] System linearize(const Alignment& alignment) const {
     const PhotometricSums photometric =
         sum_photometric(reference_, residuals(alignment), alignment.gain, sigma_, options_.loss,
@@ -62,8 +72,7 @@ class LevelProblem {
     system.gradient = photometric.gradient;
     system.cost = photometric.cost;
     if (options_.geometric > 0)
-      add(sum_surface(surface_, full_camera_, depth_, alignment.cur_from_ref,
-                      static_cast<float>(options_.depth_noise),
+      add(sum_surface(surface_, full_camera_, depth_, alignment.cur_from_ref, depth_noise_,
                       static_cast<float>(options_.geometric)),
           system);
     if (options_.edge_distance > 0 && edge_distance_)
@@ -117,6 +126,7 @@ class LevelProblem {
   const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
   float sigma_ = 10.F;       // [grey levels]
+  float depth_noise_ = 0.F;  // [1 / m]
   double mean_depth_ = 1.5;  // [m]
   mutable std::vector<float> residuals_;
   mutable Alignment residuals_at_;
@@ -182,6 +192,7 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
     LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options);
     const float sigma = residual_sigma(problem.residuals(result.alignment), options);
     problem.set_sigma(sigma);
+    if (options.geometric > 0) problem.set_depth_noise(result.alignment.cur_from_ref);
     const MinimizeSummary summary = minimize(
         problem, result.alignment,
         {.max_iterations = options.max_iterations, .step_tolerance = options.step_tolerance});

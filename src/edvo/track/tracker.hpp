@@ -49,7 +49,8 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
   visit("geometric", self.geometric, Range{0, 1e3},
         "weight of the point-to-plane residuals of depth; 0 = off");
-  visit("depth_noise", self.depth_noise, Range{1e-6, 1}, "sigma of measured inverse depth [1 / m]");
+  visit("depth_noise", self.depth_noise, Range{1e-6, 1},
+        "sigma of measured inverse depth, less where the residuals are smaller [1 / m]");
   visit("surface_cell", self.surface_cell, Range{4, 200},
         "side of the cells with one point-to-plane residual each [px]");
   visit("edge_distance", self.edge_distance, Range{0, 1e3},

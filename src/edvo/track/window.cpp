@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/window.hpp"
 
+#include "edvo/track/robust.hpp"
 #include "edvo/track/window_system.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,6 +13,23 @@ namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
 constexpr double kDamping = 1e-4;
+constexpr float kLeastDepthScale = 0.1F;
+
+// The depth noise that the newest keyframe and the others show, by what the options say; at most 1:
+// poses that are still off make it seem larger.
+double depth_scale(const std::vector<WindowKeyframe>& window, const Camera& camera,
+                   const WindowOptions& options) {
+  const PairConstants constants = pair_constants(camera, options);
+  const WindowKeyframe& newest = window.back();
+  std::vector<float> errors;
+  for (std::size_t k = 0; k + 1 < window.size(); ++k) {
+    append_depth_errors(constants, pair_geometry(window[k], newest), window[k].points, newest,
+                        errors);
+    append_depth_errors(constants, pair_geometry(newest, window[k]), newest.points, window[k],
+                        errors);
+  }
+  return static_cast<double>(std::clamp(mad_sigma(errors), kLeastDepthScale, 1.F));
+}
 
 }  // namespace
 
@@ -67,10 +86,14 @@ double shared_view(const WindowKeyframe& host, const WindowKeyframe& target, con
 }
 
 WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
-                            const WindowOptions& options) {
+                            const WindowOptions& wanted) {
   const int count = static_cast<int>(window.size());
   fixed = std::min(fixed, count - 1);
   if (count < 2) return {};
+  WindowOptions options = wanted;
+  const double scale = depth_scale(window, camera, wanted);
+  options.depth_noise *= scale;
+  options.depth_bias *= scale;
   WindowSystem others = linearize_window(window, camera, fixed, WindowPairs::kOthers, options);
   WindowSystem newest = linearize_window(window, camera, fixed, WindowPairs::kNewest, options);
   const double first_cost = others.cost + newest.cost;

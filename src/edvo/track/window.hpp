@@ -42,7 +42,9 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("huber", self.huber, Range{0.1, 100}, "theta_H of the photometric residuals [sigmas]");
   visit("softness", self.softness, Range{1, 1e6},
         "gradient at which a pixel's weight is halved [grey levels / px]");
-  visit("depth_noise", self.depth_noise, Range{1e-6, 1}, "sigma of measured inverse depth [1 / m]");
+  visit("depth_noise", self.depth_noise, Range{1e-6, 1},
+        "sigma of measured inverse depth; between keyframes less where residuals are smaller [1 / "
+        "m]");
   visit("depth_bias", self.depth_bias, Range{0, 1}, "sigma of measured depth, / depth");
   visit("geometric", self.geometric, Range{0, 1e3},
         "weight of the depth residuals between keyframes; 0 = off");

@@ -12,10 +12,11 @@ namespace edvo {
 namespace {
 
 constexpr int kN = kKeyframeUnknowns;
-constexpr float kMargin = 3.F;      // [px] room that a patch needs
-constexpr float kSaturation = 6.F;  // [sigmas] what a patch out of view or not matching pays
-constexpr float kOccluded = 1.10F;  // seen depth nearer by this factor: something stands in front
-constexpr float kDepthHuber = 2.F;  // [sigmas]
+constexpr float kLeastScale = 0.05F;  // of a point's depth in the target by that in the host
+constexpr float kMargin = 3.F;        // [px] room that a patch needs
+constexpr float kSaturation = 6.F;    // [sigmas] what a patch out of view or not matching pays
+constexpr float kOccluded = 1.10F;    // seen depth nearer by this factor: something stands in front
+constexpr float kDepthHuber = 2.F;    // [sigmas]
 
 static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
 
@@ -152,7 +153,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
     const Floats u = c.fx * x + c.cx;
     const Floats v = c.fy * y + c.cy;
     const Ints fits =
-        (qz > 0.05F) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
+        (qz > kLeastScale) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
     std::int32_t visible = -1;
     for (int k = 0; k < kPatchSize; ++k) visible &= fits[k];
     lanes(couple) = Floats{};
@@ -262,6 +263,28 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
     depths[i].curvature += depth_weight * jr * jr;
   }
   return total;
+}
+
+void append_depth_errors(const PairConstants& c, const PairGeometry& g,
+                         const std::vector<WindowPoint>& points, const WindowKeyframe& target,
+                         std::vector<float>& errors) {
+  constexpr std::size_t kEvery = 4;  // points: enough for a median
+  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(g.rotation.data());
+  const Eigen::Map<const Eigen::Vector3f> t(g.translation.data());
+  for (std::size_t i = 0; i < points.size(); i += kEvery) {
+    const WindowPoint& point = points[i];
+    const auto rho = static_cast<float>(point.inverse_depth);
+    const Eigen::Vector3f ray((point.u - c.cx) / c.fx, (point.v - c.cy) / c.fy, 1);
+    const Eigen::Vector3f q = R * ray + rho * t;
+    const float u = c.fx * q.x() / q.z() + c.cx, v = c.fy * q.y() / q.z() + c.cy;
+    const bool visible =
+        q.z() > kLeastScale && u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v;
+    if (!visible) continue;
+    const float seen =
+        target.inverse_depth(static_cast<int>(0.5F * v + 0.5F), static_cast<int>(0.5F * u + 0.5F));
+    const float bias = c.depth_bias * seen;
+    errors.push_back((rho / q.z() - seen) / std::sqrt(c.depth_variance + bias * bias));
+  }
 }
 
 }  // namespace edvo

@@ -50,4 +50,9 @@ struct PairSums {
                               const std::vector<WindowPoint>& points, const WindowKeyframe& target,
                               PairSums& pair, DepthSystem* depths, float* coupling);
 
+// Appends the depth residuals of some of a host's points in a target [sigmas].
+void append_depth_errors(const PairConstants& c, const PairGeometry& g,
+                         const std::vector<WindowPoint>& points, const WindowKeyframe& target,
+                         std::vector<float>& errors);
+
 }  // namespace edvo
