@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/edge/thin.hpp"
+#include "edvo/edge/network.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,6 +62,15 @@ TEST(Thin, FindsNothingBelowTheThresholdOrWhereNothingChanges) {
 
 TEST(Thin, TakesImagesOfOnePixel) {
   EXPECT_EQ(cv::countNonZero(thin_edges(cv::Mat_<float>(1, 1, 1.0F), kThreshold)), 0);
+}
+
+TEST(NetworkEdges, ThresholdFollowsAnImageOfWeakEdges) {
+  cv::Mat_<float> weak(60, 80, 0.01F);
+  weak.col(40) = 0.2F;
+  EXPECT_EQ(cv::countNonZero(network_edges(weak, {.edge_share = 0})), 0);
+  EXPECT_EQ(cv::countNonZero(network_edges(weak, {.edge_share = 0.1, .suppress = false})), 60);
+  const cv::Mat_<float> blank(60, 80, 0.03F);
+  EXPECT_EQ(cv::countNonZero(network_edges(blank, {.edge_share = 0.1, .suppress = false})), 0);
 }
 
 }  // namespace

@@ -12,12 +12,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <mutex>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
 namespace {
+
+constexpr double kLowestThreshold = 0.15;  // below, a blank wall would have edges
 
 // Probabilities may leave [0..1] by rounding; more means that an activation is missing.
 constexpr double kProbabilityTolerance = 1e-3;
@@ -192,6 +196,16 @@ Model model_of(const NetworkOptions& options) {
   return options.model.empty() ? own_model() : read_model(options.model);
 }
 
+// The strength that the given share of all pixels reaches.
+double strength_exceeded_by(const cv::Mat_<float>& strength, double share) {
+  std::vector<float> ordered(strength.begin(), strength.end());
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(ordered.size()));
+  if (count == 0) return std::numeric_limits<double>::infinity();
+  const auto last = ordered.begin() + static_cast<std::ptrdiff_t>(count - 1);
+  std::nth_element(ordered.begin(), last, ordered.end(), std::greater<>());
+  return static_cast<double>(*last);
+}
+
 }  // namespace
 
 std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size) {
@@ -223,8 +237,10 @@ std::string fingerprint(const Model& model) {
 
 cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
                                      const NetworkOptions& options) {
-  return options.suppress ? thin_edges(strength, options.threshold)
-                          : cv::Mat_<std::uint8_t>(strength >= options.threshold);
+  const double share = strength_exceeded_by(strength, options.edge_share);
+  const double threshold = std::min(options.threshold, std::max(kLowestThreshold, share));
+  return options.suppress ? thin_edges(strength, threshold)
+                          : cv::Mat_<std::uint8_t>(strength >= threshold);
 }
 
 }  // namespace edvo

@@ -15,8 +15,9 @@ namespace edvo {
 struct Model;  // edvo/io/model_file.hpp
 
 struct NetworkOptions {
-  std::string model;       // path of a description; empty = edvo's own network
-  double threshold = 0.5;  // [0..1]
+  std::string model;         // path of a description; empty = edvo's own network
+  double threshold = 0.5;    // [0..1]
+  double edge_share = 0.20;  // [0..1]
   bool suppress = true;
 };
 
@@ -25,7 +26,12 @@ requires std::same_as<std::remove_const_t<Self>, NetworkOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("model", self.model, Range{},
         "description file of the network (docs/models.md); empty = edvo's own");
-  visit("threshold", self.threshold, Range{0, 1}, "least strength of an edge pixel [0..1]");
+  visit("threshold", self.threshold, Range{0, 1},
+        "strength that makes an edge pixel in any case [0..1]");
+  visit(
+      "edge_share", self.edge_share, Range{0, 1},
+      "share of pixels that pass before thinning, if need be with less strength: under motion blur "
+      "[0..1]");
   visit("suppress", self.suppress, Range{}, "thin edges to their strongest line, one pixel wide");
 }
 
