@@ -76,6 +76,13 @@ class Edvo : public System {
   Odometry odometry_;
 };
 
+// Does nothing with the images: the least that any system takes with the same reading.
+class Nothing : public System {
+ public:
+  void process(const RgbdImage&) override {}
+  Trajectory trajectory() const override { return {}; }
+};
+
 // Frame to frame, with OpenCV's defaults. It is spared the undistortion that edvo does.
 class OpenCvOdometry : public System {
  public:
@@ -245,6 +252,8 @@ int main(int argc, char** argv) try {
   };
   std::vector<Entry> with_decoding = {
       {"edvo canny+corner, as edvo run reads", edvo_, Reading::kAhead},
+      {"edvo's reading ahead, nothing else", [] { return std::make_unique<Nothing>(); },
+       Reading::kAhead},
       {"cv::rgbd::RgbdOdometry, cv::imread", rgbd, Reading::kImread},
       {"cv::rgbd::RgbdOdometry, edvo's reading ahead", rgbd, Reading::kAhead}};
   std::vector<Entry> without = {{"edvo canny+corner", edvo_, Reading::kMemory},
