@@ -3,6 +3,7 @@
 #include "edvo/frame/frame.hpp"
 #include "edvo/track/levenberg_marquardt.hpp"
 #include "edvo/track/tracker.hpp"
+#include "edvo/track/turn.hpp"
 #include "edvo/track/window_system.hpp"
 #include "support/matchers.hpp"
 #include "support/synthetic_plane.hpp"
@@ -236,6 +237,24 @@ TEST(Tracker, InformationIsSymmetricAndPositive) {
   const Matrix6d information = track(reference, key, {}, {}).information;
   EXPECT_LT((information - information.transpose()).norm(), 1e-6 * information.norm());
   EXPECT_GT(information.ldlt().vectorD().minCoeff(), 0);
+}
+
+TEST(Turn, IsFoundFromAShiftThatGradientsDoNotTell) {
+  const Camera camera{.fx = 32, .fy = 32, .cx = 19.5, .cy = 14.5, .width = 40, .height = 30};
+  cv::Mat_<std::uint8_t> wide(60, 80);
+  cv::RNG random(3);
+  random.fill(wide, cv::RNG::UNIFORM, 0, 256);
+  const cv::Mat_<std::uint8_t> before = wide(cv::Rect(20, 15, 40, 30));
+  const cv::Mat_<std::uint8_t> now = wide(cv::Rect(20 - 9, 15 + 5, 40, 30));  // all moves (9, -5)
+  const SE3 turn = turn_between(before, now, camera);
+  const Eigen::Vector3d moved = turn * Eigen::Vector3d(0, 0, 1);
+  EXPECT_NEAR(moved.x() / moved.z() * camera.fx, 9, 1);
+  EXPECT_NEAR(moved.y() / moved.z() * camera.fy, -5, 1);
+}
+
+TEST(Turn, IsNoneBetweenBlankImages) {
+  const cv::Mat_<std::uint8_t> blank(30, 40, std::uint8_t{90});
+  EXPECT_TRUE(is_finite(turn_between(blank, blank, kVgaCamera)));
 }
 
 TEST(Selection, TakesTheForegroundAtADepthJump) {

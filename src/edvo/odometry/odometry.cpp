@@ -6,6 +6,7 @@
 #include "edvo/track/edge_distance.hpp"
 #include "edvo/track/selection.hpp"
 #include "edvo/track/surface.hpp"
+#include "edvo/track/turn.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -57,6 +58,13 @@ TrackOptions coarse_tracking(const Config& config) {
   return options;
 }
 
+// The last but one that coarse alignment uses: 40 columns of 640, exact enough for the last.
+std::size_t turn_level(const Frame& frame, const Config& config) {
+  const int coarsest =
+      std::min(config.coarse.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
+  return static_cast<std::size_t>(std::max(0, coarsest - 1));
+}
+
 Reference make_coarse_reference(const Frame& frame, const Config& config) {
   Reference reference = make_reference(
       frame, grid_pixels(frame, config.coarse.step, config.selection), config.tracking.softness,
@@ -88,6 +96,7 @@ struct Odometry::State {
   LocalMap map;                           // keyframes and their joint refinement
   Reference reference;                    // of the last keyframe
   Reference last_image;                   // the last frame, whole but coarse
+  cv::Mat_<std::uint8_t> last_gray;       // and its image on one level
   Alignment alignment;                    // of the last frame to the last keyframe
   SE3 last_from_cur;                      // motion of the last two frames
   std::vector<FrameLink> frames;          // tracked frames
@@ -136,17 +145,24 @@ Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
   return moved;
 }
 
-// Where the frame could be: moved on as before, or as whole coarse images tell, or standing still.
+// Where the frame could be: moved on as before, or as whole coarse images tell (started from there,
+// from standing still or from a turn), or standing still.
 // The likeliest first.
 std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
   std::vector<SE3> motions = {inverse(last_from_cur), SE3{}};
   if (config.coarse.enabled) {
     const Alignment moving{.cur_from_ref = motions.front(), .gain = 1, .bias = 0};
     const TrackOptions options = coarse_tracking(config);
-    const bool start_moving = coarse_cost(last_image, frame, moving, options) <=
-                              coarse_cost(last_image, frame, Alignment{}, options);
-    const TrackResult coarse =
-        track(last_image, frame, start_moving ? moving : Alignment{}, options);
+    const Level& level = frame.levels[turn_level(frame, config)];
+    const Alignment turning{.cur_from_ref = turn_between(last_gray, level.gray, level.camera)};
+    Alignment start = moving;
+    double least = coarse_cost(last_image, frame, moving, options);
+    for (const Alignment& other : {Alignment{}, turning})
+      if (const double cost = coarse_cost(last_image, frame, other, options); cost < least) {
+        start = other;
+        least = cost;
+      }
+    const TrackResult coarse = track(last_image, frame, start, options);
     if (coarse.status == TrackStatus::kTracked)
       motions.insert(motions.begin(), coarse.alignment.cur_from_ref);
   }
@@ -327,7 +343,10 @@ FrameReport Odometry::process_prepared(const PreparedImage& image) {
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
   else
     s.follow(frame, report);
-  if (s.config.coarse.enabled) s.last_image = make_coarse_reference(frame, s.config);
+  if (s.config.coarse.enabled) {
+    s.last_image = make_coarse_reference(frame, s.config);
+    s.last_gray = frame.levels[turn_level(frame, s.config)].gray;
+  }
   report.milliseconds.total = image.milliseconds + total.lap();
   return report;
 }
