@@ -21,6 +21,7 @@ constexpr double kInDoubt = 1.25;       // the same of a second look while two m
 constexpr double kSecondTukey = 1.5;    // [sigmas]
 constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: not the same motion
 constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
+constexpr int kTurnColumns = 40;        // [px] an image to be correlated needs
 constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
@@ -58,11 +59,12 @@ TrackOptions coarse_tracking(const Config& config) {
   return options;
 }
 
-// The last but one that coarse alignment uses: 40 columns of 640, exact enough for the last.
-std::size_t turn_level(const Frame& frame, const Config& config) {
-  const int coarsest =
-      std::min(config.coarse.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
-  return static_cast<std::size_t>(std::max(0, coarsest - 1));
+// The coarsest whose image is large enough to correlate.
+std::size_t turn_level(const Frame& frame) {
+  std::size_t level = 0;
+  while (level + 1 < frame.levels.size() && frame.levels[level + 1].gray.cols >= kTurnColumns)
+    ++level;
+  return level;
 }
 
 Reference make_coarse_reference(const Frame& frame, const Config& config) {
@@ -153,7 +155,7 @@ std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
   if (config.coarse.enabled) {
     const Alignment moving{.cur_from_ref = motions.front(), .gain = 1, .bias = 0};
     const TrackOptions options = coarse_tracking(config);
-    const Level& level = frame.levels[turn_level(frame, config)];
+    const Level& level = frame.levels[turn_level(frame)];
     const Alignment turning{.cur_from_ref = turn_between(last_gray, level.gray, level.camera)};
     Alignment start = moving;
     double least = coarse_cost(last_image, frame, moving, options);
@@ -345,7 +347,7 @@ FrameReport Odometry::process_prepared(const PreparedImage& image) {
     s.follow(frame, report);
   if (s.config.coarse.enabled) {
     s.last_image = make_coarse_reference(frame, s.config);
-    s.last_gray = frame.levels[turn_level(frame, s.config)].gray;
+    s.last_gray = frame.levels[turn_level(frame)].gray;
   }
   report.milliseconds.total = image.milliseconds + total.lap();
   return report;
