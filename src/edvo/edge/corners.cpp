@@ -5,7 +5,6 @@
 #include "edvo/core/simd.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
 constexpr double kDamping = 1e-4;
-constexpr float kLeastDepthScale = 0.1F;
+constexpr float kLeastDepthScale = 0.1F;  // of the depth noise expected
 
 // The depth noise that the newest keyframe and the others show, by what the options say; at most 1:
 // poses that are still off make it seem larger.
@@ -106,7 +106,7 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
     move_by(step, others);
     newest = linearize_window(moved, camera, fixed, WindowPairs::kNewest, options);
     const double gained = summary.last_cost - (others.cost + newest.cost);
-    if (gained <= 0) break;
+    if (!(gained > 0)) break;  // nor where it is not a number
     ++summary.iterations;
     window = std::move(moved);
     summary.last_cost -= gained;
