@@ -3,6 +3,7 @@
 list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCVParts 4.5 REQUIRED COMPONENTS core imgproc dnn)
+find_package(OneDnn 2.6 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)

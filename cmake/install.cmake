@@ -18,6 +18,7 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/edvoConfigVersion.c
                                  COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/edvoConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/edvoConfigVersion.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/FindOneDnn.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake
         DESTINATION ${edvo_cmake_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md

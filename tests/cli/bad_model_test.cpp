@@ -48,7 +48,7 @@ TEST_F(BadModel, EndsTheRunBeforeItBegins) {
   expect_refused(good_, "sha256 = '" + sha256("x") + "'\n" + rest_, "bad.onnx: its SHA-256 is");
   expect_refused(good_, "hash = ''\n" + rest_, "bad.toml:2: unknown key 'hash'");
   expect_refused(test::patched(good_, "Sqrt", "Sqrr"), rest_, "Sqrr");
-  expect_refused(test::patched(good_, kLumaOfGreen, kNan), rest_, "is not finite");
+  expect_refused(test::patched(good_, kLumaOfGreen, kNan), rest_, "are not all finite");
   expect_refused(good_, "[output]\nindex = 7\n", "output.index 7 is out of range");
   expect_refused(good_, "[output]\nindex = 1\n", "output 'coarse' has the shape");
   expect_refused(good_, "[output]\nindex = 0\n", "lack activation = \"sigmoid\"");

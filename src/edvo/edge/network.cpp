@@ -3,7 +3,8 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/sha256.hpp"
-#include "edvo/edge/onnx_outputs.hpp"
+#include "edvo/edge/inference.hpp"
+#include "edvo/edge/onnx_graph.hpp"
 #include "edvo/edge/onnx_weights.hpp"
 #include "edvo/edge/thin.hpp"
 #include "edvo/io/model_file.hpp"
@@ -15,7 +16,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
-#include <opencv2/dnn.hpp>
+#include <opencv2/dnn/dnn.hpp>  // blobFromImage
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
@@ -30,53 +31,28 @@ constexpr double kProbabilityTolerance = 1e-3;
   throw Error(ErrorCode::kModel, fmt::format("{}: {}", source, reason));
 }
 
-// The innermost message: OpenCV wraps one error in the next, line by line.
-std::string reason_of(const cv::Exception& error) {
-  const std::string& text = error.err;
-  const std::size_t last = text.rfind("error: ");
-  std::string reason = last == std::string::npos ? text : text.substr(last + 7);
-  return reason.substr(0, reason.find('\n'));
+std::vector<std::string> outputs_of(const Model& model) {
+  try {
+    return onnx_outputs(model.weights);
+  } catch (const Error& error) {
+    fail(model.source, error.what());
+  }
 }
 
 std::string output_name(const Model& model) {
-  const auto names = onnx_outputs(model.weights);
-  if (!names) fail(model.source, "not an ONNX file, or a truncated one");
+  const std::vector<std::string> names = outputs_of(model);
   const NetworkOutput& wanted = model.description.output;
   if (!wanted.name.empty()) {
-    if (std::ranges::find(*names, wanted.name) == names->end())
+    if (std::ranges::find(names, wanted.name) == names.end())
       fail(model.source, fmt::format("it has no output '{}'{}; its outputs are {}", wanted.name,
-                                     did_you_mean(wanted.name, *names), fmt::join(*names, ", ")));
+                                     did_you_mean(wanted.name, names), fmt::join(names, ", ")));
     return wanted.name;
   }
-  const int count = static_cast<int>(names->size());
+  const int count = static_cast<int>(names.size());
   if (wanted.index >= count)
     fail(model.source, fmt::format("output.index {} is out of range; its outputs are, from 0: {}",
-                                   wanted.index, fmt::join(*names, ", ")));
-  return wanted.index < 0 ? names->back() : (*names)[static_cast<std::size_t>(wanted.index)];
-}
-
-// A maximum or a clip inside the network may hide NaN weights from its output.
-void check_weights(const cv::dnn::Net& network, const std::string& source) {
-  for (const std::string& name : network.getLayerNames())
-    for (const cv::Mat& blob : network.getLayer(network.getLayerId(name))->blobs)
-      if (!blob.empty() && blob.depth() == CV_32F && !cv::checkRange(blob.reshape(1, 1)))
-        fail(source,
-             fmt::format("a weight of layer {} is not finite", name.substr(name.find('!') + 1)));
-}
-
-cv::dnn::Net load(const Model& model) {
-  const std::optional<std::string> plain = with_plain_weights(model.weights, model.source);
-  const std::string& bytes = plain ? *plain : model.weights;
-  try {
-    cv::dnn::Net network = cv::dnn::readNetFromONNX(bytes.data(), bytes.size());
-    network.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-    network.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    check_weights(network, model.source);
-    return network;
-  } catch (const cv::Exception& error) {
-    fail(model.source,
-         fmt::format("OpenCV {} cannot load this network: {}", CV_VERSION, reason_of(error)));
-  }
+                                   wanted.index, fmt::join(names, ", ")));
+  return wanted.index < 0 ? names.back() : names[static_cast<std::size_t>(wanted.index)];
 }
 
 std::string spelled(cv::Size size) {
@@ -89,22 +65,34 @@ struct Fitted {
   cv::Size content;  // [px], without padding
 };
 
-Fitted fit(const cv::Mat& bgr, const NetworkInput& rule, const std::string& source) {
-  Fitted fitted{.image = bgr, .content = rule.size};
-  if (rule.size.empty())
-    fitted.content = {cvRound(bgr.cols * rule.factor), cvRound(bgr.rows * rule.factor)};
-  const int n = rule.multiple_of;
-  if (std::min(fitted.content.width, fitted.content.height) < n)
+// The size of an image of this size for the network, before its sides become multiples of the
+// stride.
+cv::Size content_size(cv::Size image, const NetworkInput& rule, const std::string& source) {
+  cv::Size content = rule.size;
+  if (content.empty())
+    content = {cvRound(image.width * rule.factor), cvRound(image.height * rule.factor)};
+  if (std::min(content.width, content.height) < rule.multiple_of)
     fail(source, fmt::format("an image of {} px is too small for this network, whose stride is {} "
                              "px (input.multiple_of)",
-                             spelled(fitted.content), n));
+                             spelled(content), rule.multiple_of));
+  return content;
+}
+
+cv::Size padded(cv::Size content, const NetworkInput& rule) {
+  const auto multiple = [n = rule.multiple_of](int side) { return (side + n - 1) / n * n; };
+  return {multiple(content.width), multiple(content.height)};
+}
+
+Fitted fit(const cv::Mat& bgr, const NetworkInput& rule, const std::string& source) {
+  Fitted fitted{.image = bgr, .content = content_size(bgr.size(), rule, source)};
   if (fitted.content != bgr.size()) {
     const bool shrinks = fitted.content.area() < bgr.size().area();
     cv::resize(bgr, fitted.image, fitted.content, 0, 0,
                shrinks ? cv::INTER_AREA : cv::INTER_LINEAR);
   }
-  const auto missing = [n](int side) { return (n - side % n) % n; };
-  const int right = missing(fitted.content.width), below = missing(fitted.content.height);
+  const cv::Size size = padded(fitted.content, rule);
+  const int right = size.width - fitted.content.width;
+  const int below = size.height - fitted.content.height;
   if (right > 0 || below > 0)
     cv::copyMakeBorder(
         cv::Mat(fitted.image), fitted.image, 0, below, 0, right,
@@ -112,13 +100,45 @@ Fitted fit(const cv::Mat& bgr, const NetworkInput& rule, const std::string& sour
   return fitted;
 }
 
+// A maximum or a clip inside the network may hide NaN weights from its output.
+void check_weights(const OnnxGraph& graph) {
+  for (const auto& [name, tensor] : graph.constants) {
+    if (tensor.type != OnnxType::kFloat) continue;
+    const std::vector<float> numbers = floats_of(tensor);
+    if (!std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); }))
+      throw Error(ErrorCode::kModel, fmt::format("the weights '{}' are not all finite", name));
+  }
+}
+
+std::unique_ptr<Inference> load(const Model& model, const std::string& output,
+                                InferenceEngine engine, cv::Size size) {
+  const std::optional<std::string> plain = with_plain_weights(model.weights, model.source);
+  const std::string& onnx = plain ? *plain : model.weights;
+  try {
+    const OnnxGraph graph = onnx_graph(onnx);
+    check_weights(graph);
+    if (engine == InferenceEngine::kOpenCv) return make_opencv_inference(onnx, output);
+    try {
+      return make_onednn_inference(graph, output, size);
+    } catch (const Error&) {
+      // OpenCV knows more operators, and says what is wrong if it does not know these either.
+      if (engine == InferenceEngine::kOneDnn) throw;
+      return make_opencv_inference(onnx, output);
+    }
+  } catch (const Error& error) {
+    fail(model.source, error.what());
+  }
+}
+
 class NetworkDetector final : public EdgeDetector {
  public:
-  explicit NetworkDetector(const Model& model)
+  NetworkDetector(const Model& model, InferenceEngine engine, cv::Size image_size)
       : description_(model.description),
         source_(model.source),
         output_(output_name(model)),
-        network_(load(model)) {}
+        inference_(load(
+            model, output_, engine,
+            padded(content_size(image_size, description_.input, source_), description_.input))) {}
 
   [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
     const Fitted fitted = fit(bgr, description_.input, source_);
@@ -139,7 +159,7 @@ class NetworkDetector final : public EdgeDetector {
     const cv::Mat blob = cv::dnn::blobFromImage(
         image, input.scale, cv::Size(), cv::Scalar(input.mean[0], input.mean[1], input.mean[2]),
         input.channels == ChannelOrder::kRgb, false, CV_32F);
-    const cv::Mat output = forward(blob, image.size());
+    const cv::Mat output = forward(blob);
     const bool is_plane = output.dims >= 2 && output.type() == CV_32FC1 &&
                           output.size[output.dims - 2] == image.rows &&
                           output.size[output.dims - 1] == image.cols &&
@@ -155,14 +175,12 @@ class NetworkDetector final : public EdgeDetector {
     return plane;
   }
 
-  cv::Mat forward(const cv::Mat& blob, cv::Size size) const {
+  cv::Mat forward(const cv::Mat& blob) const {
     const std::scoped_lock lock(mutex_);
     try {
-      network_.setInput(blob);
-      return network_.forward(output_).clone();
-    } catch (const cv::Exception& error) {
-      fail(source_, fmt::format("OpenCV {} cannot run this network on an image of {} px: {}",
-                                CV_VERSION, spelled(size), reason_of(error)));
+      return inference_->forward(blob);
+    } catch (const Error& error) {
+      fail(source_, error.what());
     }
   }
 
@@ -188,8 +206,8 @@ class NetworkDetector final : public EdgeDetector {
   ModelDescription description_;
   std::string source_;  // the ONNX file, for messages
   std::string output_;
-  mutable std::mutex mutex_;  // a forward pass writes into the network
-  mutable cv::dnn::Net network_;
+  mutable std::mutex mutex_;  // a forward pass writes into the network's memory
+  std::unique_ptr<Inference> inference_;
 };
 
 Model model_of(const NetworkOptions& options) {
@@ -208,8 +226,9 @@ double strength_exceeded_by(const cv::Mat_<float>& strength, double share) {
 
 }  // namespace
 
-std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size) {
-  auto detector = std::make_unique<NetworkDetector>(model);
+std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size,
+                                                    InferenceEngine engine) {
+  auto detector = std::make_unique<NetworkDetector>(model, engine, image_size);
   (void)detector->detect(cv::Mat_<cv::Vec3b>(image_size, cv::Vec3b(0, 0, 0)));
   return detector;
 }
@@ -229,10 +248,11 @@ std::string fingerprint(const Model& model) {
   const auto& [name, file, hash, licence, source, input, output] = model.description;
   // A hash that stands in the description was checked when the weights were read.
   return sha256(fmt::format(
-      "{} {} {} {} {} {} {}x{} {} {} {} {} OpenCV {}", hash.empty() ? sha256(model.weights) : hash,
-      static_cast<int>(input.channels), fmt::join(input.mean, " "), input.scale, input.multiple_of,
-      static_cast<int>(input.padding), input.size.width, input.size.height, input.factor,
-      output.name, output.index, static_cast<int>(output.activation), CV_VERSION));
+      "{} {} {} {} {} {} {}x{} {} {} {} {} OpenCV {} oneDNN {}",
+      hash.empty() ? sha256(model.weights) : hash, static_cast<int>(input.channels),
+      fmt::join(input.mean, " "), input.scale, input.multiple_of, static_cast<int>(input.padding),
+      input.size.width, input.size.height, input.factor, output.name, output.index,
+      static_cast<int>(output.activation), CV_VERSION, onednn_version()));
 }
 
 cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,

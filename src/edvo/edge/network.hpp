@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Edges by a network (paper, section III-A): an ONNX file run by OpenCV's dnn module.
+// Edges by a network (paper, section III-A): an ONNX file run by oneDNN or OpenCV.
 #pragma once
 
 #include "edvo/core/fields.hpp"
 #include "edvo/edge/cached_detector.hpp"
 #include "edvo/edge/detector.hpp"
+#include "edvo/edge/inference.hpp"
 
 #include <concepts>
 #include <memory>
@@ -36,11 +37,11 @@ void visit_fields(Self& self, Visitor&& visit) {
 }
 
 // Runs the network once on a blank image of this size, so that a model that does not fit fails here
-// and not in the middle of a run. Throws Error(kModel) if OpenCV cannot load or run it, if its
+// and not in the middle of a run. Throws Error(kModel) if the engine cannot load or run it, if its
 // weights or its output are not finite, or its output is of another size than its input. Uses as
 // many threads as cv::setNumThreads says; the result does not depend on it.
-[[nodiscard]] std::unique_ptr<EdgeDetector> make_network_detector(const Model& model,
-                                                                  cv::Size image_size);
+[[nodiscard]] std::unique_ptr<EdgeDetector> make_network_detector(
+    const Model& model, cv::Size image_size, InferenceEngine engine = InferenceEngine::kAuto);
 
 // The same for the description file of the options, or edvo's own network if they name none.
 [[nodiscard]] std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options,

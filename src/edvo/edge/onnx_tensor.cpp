@@ -224,6 +224,13 @@ OnnxTensor onnx_tensor(std::string_view message) {
   return std::move(parts.tensor);
 }
 
+std::vector<float> floats_of(const OnnxTensor& tensor) {
+  if (tensor.type != OnnxType::kFloat) fail("a constant is not of 32-bit floats");
+  std::vector<float> numbers(tensor.data.size() / sizeof(float));
+  std::memcpy(numbers.data(), tensor.data.data(), tensor.data.size());
+  return numbers;
+}
+
 std::string encoded(const OnnxTensor& tensor, std::string_view name) {
   std::string message;
   for (const std::int64_t side : tensor.dims)

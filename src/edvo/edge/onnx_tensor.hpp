@@ -42,6 +42,9 @@ void check_onnx_tensor(std::string_view message);
 
 [[nodiscard]] std::string onnx_tensor_name(std::string_view message);
 
+// Its numbers. Throws Error(kModel) if they are not 32-bit floats.
+[[nodiscard]] std::vector<float> floats_of(const OnnxTensor& tensor);
+
 // As a TensorProto.
 [[nodiscard]] std::string encoded(const OnnxTensor& tensor, std::string_view name);
 

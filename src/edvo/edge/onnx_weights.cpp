@@ -2,7 +2,8 @@
 #include "edvo/edge/onnx_weights.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/edge/onnx_tensor.hpp"
+#include "edvo/edge/onnx_fields.hpp"
+#include "edvo/edge/onnx_graph.hpp"
 #include "edvo/edge/protobuf.hpp"
 
 #include <fmt/format.h>
@@ -17,12 +18,7 @@ namespace {
 
 using protobuf::Field;
 
-// Field numbers of onnx.proto.
-constexpr std::uint64_t kModelGraph = 7;
-constexpr std::uint64_t kGraphNode = 1, kGraphInitializer = 5, kGraphInput = 11, kGraphOutput = 12;
-constexpr std::uint64_t kNodeInput = 1, kNodeOutput = 2, kNodeType = 4, kNodeAttribute = 5;
-constexpr std::uint64_t kAttributeName = 1, kAttributeInteger = 3, kAttributeTensor = 5;
-constexpr std::uint64_t kValueName = 1;
+using namespace onnx_field;
 
 [[noreturn]] void fail(const std::string& reason) {
   throw Error(ErrorCode::kModel, reason);
@@ -34,36 +30,10 @@ std::vector<Field> fields_of(std::string_view message) {
   return std::move(*fields);
 }
 
-struct Node {
-  std::string type;
-  std::vector<std::string> inputs, outputs;
-  std::vector<std::string_view> attributes;
-  std::string_view content;
-};
-
-Node node_from(std::string_view content) {
-  Node node{.type = {}, .inputs = {}, .outputs = {}, .attributes = {}, .content = content};
-  for (const Field& field : fields_of(content)) {
-    if (field.number == kNodeType) node.type = field.content;
-    if (field.number == kNodeInput) node.inputs.emplace_back(field.content);
-    if (field.number == kNodeOutput) node.outputs.emplace_back(field.content);
-    if (field.number == kNodeAttribute) node.attributes.push_back(field.content);
-  }
-  return node;
-}
-
-Quantization quantization_of(const Node& node) {
+Quantization quantization_of(const OnnxNode& node) {
   Quantization quantization;
-  for (const std::string_view attribute : node.attributes) {
-    std::string_view name;
-    std::int64_t value = 0;
-    for (const Field& field : fields_of(attribute)) {
-      if (field.number == kAttributeName) name = field.content;
-      if (field.number == kAttributeInteger) value = static_cast<std::int64_t>(field.value);
-    }
-    if (name == "axis") quantization.axis = value;
-    if (name == "block_size") quantization.block_size = value;
-  }
+  quantization.axis = integer(node, "axis").value_or(quantization.axis);
+  quantization.block_size = integer(node, "block_size").value_or(quantization.block_size);
   return quantization;
 }
 
@@ -82,14 +52,21 @@ class Folding {
         if (value.number == kValueName)
           (field.number == kGraphOutput ? outputs_ : inputs_).emplace(value.content);
     }
-    std::vector<Node> nodes;
+    std::vector<OnnxNode> nodes;
+    std::vector<std::string_view> contents;
     for (const Field& field : fields_)
-      if (field.number == kGraphNode) nodes.push_back(node_from(field.content));
+      if (field.number == kGraphNode) {
+        nodes.push_back(onnx_node(field.content));
+        contents.push_back(field.content);
+      }
     check_names(nodes);
-    for (const Node& node : nodes)
+    for (const OnnxNode& node : nodes)
       for (const std::string& input : node.inputs) ++uses_[input];
-    for (Node& node : nodes)
-      if (!fold(node)) kept_.push_back(std::move(node));
+    auto content = contents.begin();
+    for (const OnnxNode& node : nodes) {
+      if (!fold(node)) kept_.push_back(*content);
+      ++content;
+    }
   }
 
   [[nodiscard]] bool changes_something() const { return !computed_.empty() || !renamed_.empty(); }
@@ -99,9 +76,9 @@ class Folding {
     std::set<std::string, std::less<>> used(outputs_);
     std::string graph;
     graph.reserve(size());  // large: not to be copied more often than it must
-    for (const Node& node : kept_) {
+    for (const std::string_view node : kept_) {
       std::string content;
-      for (const Field& field : fields_of(node.content)) {
+      for (const Field& field : fields_of(node)) {
         if (field.number != kNodeInput) {
           content += field.encoded;
           continue;
@@ -126,7 +103,7 @@ class Folding {
 
  private:
   // OpenCV looks for names that nothing gives until it crashes.
-  void check_names(const std::vector<Node>& nodes) const {
+  void check_names(const std::vector<OnnxNode>& nodes) const {
     std::vector<std::string> images;
     std::set<std::string, std::less<>> given(inputs_);
     for (const std::string& input : inputs_)
@@ -135,7 +112,7 @@ class Folding {
       fail(fmt::format("it has {} inputs ({}); one, the image, is expected", images.size(),
                        fmt::join(images, ", ")));
     for (const auto& [name, content] : stored_) given.insert(name);
-    for (const Node& node : nodes) {
+    for (const OnnxNode& node : nodes) {
       for (const std::string& input : node.inputs)
         if (!input.empty() && !given.contains(input))
           fail(fmt::format("its node {} needs '{}', which nothing gives", node.type, input));
@@ -160,16 +137,17 @@ class Folding {
   }
 
   [[nodiscard]] bool is_constant(const std::string& name) const {
-    return computed_.contains(name) || stored_.contains(name);
+    return computed_.contains(name) || in_nodes_.contains(name) || stored_.contains(name);
   }
 
   [[nodiscard]] OnnxTensor constant(const std::string& name) const {
-    const auto found = computed_.find(name);
-    return found == computed_.end() ? onnx_tensor(stored_.at(name)) : found->second;
+    for (const auto* known : {&computed_, &in_nodes_})
+      if (const auto found = known->find(name); found != known->end()) return found->second;
+    return onnx_tensor(stored_.at(name));
   }
 
   // True if the node needs not run.
-  bool fold(Node node) {
+  bool fold(OnnxNode node) {
     for (std::string& input : node.inputs) input = origin(input);
     if (node.type == "Constant") keep_constant(node);
     if (node.outputs.size() != 1 || outputs_.contains(node.outputs[0])) return false;
@@ -208,22 +186,19 @@ class Folding {
   }
 
   // A constant may also be a node.
-  void keep_constant(const Node& node) {
-    for (const std::string_view attribute : node.attributes)
-      for (const Field& field : fields_of(attribute))
-        if (field.number == kAttributeTensor && node.outputs.size() == 1) {
-          check_onnx_tensor(field.content);
-          stored_[node.outputs[0]] = field.content;
-        }
+  void keep_constant(const OnnxNode& node) {
+    if (node.outputs.size() != 1) return;
+    if (auto value = tensor(node, "value")) in_nodes_[node.outputs[0]] = std::move(*value);
   }
 
   std::vector<Field> fields_;
   std::set<std::string, std::less<>> inputs_, outputs_;
   std::map<std::string, int> uses_;  // as an input, by name
   std::map<std::string, std::string_view> stored_;
+  std::map<std::string, OnnxTensor> in_nodes_;  // of the type Constant
   std::map<std::string, OnnxTensor> computed_;
   std::map<std::string, std::string> renamed_;  // outputs of Identity, by their inputs
-  std::vector<Node> kept_;
+  std::vector<std::string_view> kept_;          // NodeProto
 };
 
 std::optional<std::string> folded(std::string_view onnx) {
