@@ -4,8 +4,8 @@
 #include "edvo/edge/network.hpp"
 #include "edvo/io/model_file.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 struct Entry {
   std::string name;
   std::unique_ptr<edvo::EdgeDetector> detector;
-  double prepared = 0;         // [ms]
+  double prepared = 0;          // [ms]
   std::vector<double> forward;  // [ms]
   cv::Mat_<float> answer;
 };
@@ -78,7 +78,8 @@ int main(int argc, char** argv) try {
       if (round > 0) entry.forward.push_back(milliseconds_since(start));  // the first warms up
     }
   fmt::print("{} x {} px, {} threads, {} rounds\n{:30} {:>12} {:>12} {:>12} {:>10}\n", size.width,
-             size.height, threads, rounds, "", "prepare [ms]", "median [ms]", "least [ms]", "ratio");
+             size.height, threads, rounds, "", "prepare [ms]", "median [ms]", "least [ms]",
+             "ratio");
   for (const Entry& entry : entries)
     fmt::print("{:30} {:12.0f} {:12.1f} {:12.1f} {:10.2f}\n", entry.name, entry.prepared,
                median(entry.forward), *std::ranges::min_element(entry.forward),

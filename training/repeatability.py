@@ -18,7 +18,9 @@ import numpy as np
 import benchmark
 import detectors
 
-CAMERAS = {"freiburg1": (517.3, 516.5, 318.6, 255.3), "synth": (525.0, 525.0, 319.5, 239.5)}
+# fx, fy, cx, cy, and the distortion k1, k2, p1, p2, k3
+CAMERAS = {"freiburg1": ((517.3, 516.5, 318.6, 255.3), (0.2624, -0.9531, -0.0054, 0.0026, 1.1633)),
+           "synth": ((525.0, 525.0, 319.5, 239.5), None)}
 JUMP = 0.04  # of depth, between neighbours
 HIDDEN = 0.05  # of depth: what lies this much nearer in the other view hides the point
 ASSOCIATION = 0.02  # [s]
@@ -32,6 +34,21 @@ def rows(path):
 def nearest(table, time):
     index = int(np.argmin(np.abs(np.array([t for t, _ in table]) - time)))
     return table[index][1] if abs(table[index][0] - time) <= ASSOCIATION else None
+
+
+def between(table, time):
+    """The pose at this time, between the two that were measured before and after it."""
+    after = int(np.searchsorted([t for t, _ in table], time))
+    if after == 0 or after == len(table) or table[after][0] - table[after - 1][0] > 2 * ASSOCIATION:
+        return None
+    (t0, a), (t1, b) = table[after - 1], table[after]
+    share = (time - t0) / (t1 - t0)
+    a, b = np.array(a, np.float64), np.array(b, np.float64)
+    if a[3:] @ b[3:] < 0:  # q and -q are the same rotation
+        b[3:] = -b[3:]
+    mixed = (1 - share) * a + share * b
+    mixed[3:] /= np.linalg.norm(mixed[3:])  # the mean of neighbours is as good as slerp
+    return mixed
 
 
 def pose(fields):
@@ -51,14 +68,31 @@ def frames(folder):
     depths, poses = rows(folder / "depth.txt"), rows(folder / "groundtruth.txt")
     found = []
     for time, (name,) in rows(folder / "rgb.txt"):
-        depth, where = nearest(depths, time), nearest(poses, time)
-        if depth and where:
+        depth, where = nearest(depths, time), between(poses, time)
+        if depth is not None and where is not None:
             found.append((folder / name, folder / depth[0], pose(where)))
     return found
 
 
-def read_depth(path):
-    return cv2.imread(str(path), cv2.IMREAD_UNCHANGED).astype(np.float32) / 5000
+class Camera:
+    """Takes out distortion, so that a pinhole with the same matrix remains."""
+
+    def __init__(self, name, shape=(480, 640)):
+        self.pinhole, distortion = CAMERAS[name]
+        self.maps = None
+        if distortion:
+            fx, fy, cx, cy = self.pinhole
+            matrix = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+            self.maps = cv2.initUndistortRectifyMap(matrix, np.array(distortion), None, matrix,
+                                                    shape[::-1], cv2.CV_32FC1)
+
+    def read_image(self, path):
+        image = cv2.imread(str(path))
+        return cv2.remap(image, *self.maps, cv2.INTER_LINEAR) if self.maps else image
+
+    def read_depth(self, path):
+        depth = cv2.imread(str(path), cv2.IMREAD_UNCHANGED).astype(np.float32) / 5000
+        return cv2.remap(depth, *self.maps, cv2.INTER_NEAREST) if self.maps else depth
 
 
 def smooth_surface(depth):
@@ -120,17 +154,18 @@ def main():
     parser.add_argument("--density", type=float, default=0.04, help="edge pixels / pixels")
     options = parser.parse_args()
     cv2.setNumThreads(1)
+    camera = Camera(options.camera)
     every = frames(options.sequence)
     starts = np.linspace(0, len(every) - 1 - options.apart, options.pairs).astype(int)
     named = [(name, detectors.make(name)) for name in options.detectors]
     sums = {name: np.zeros(3) for name, _ in named}
     for start in starts:
         (image, depth, pose_a), (other, other_depth, pose_b) = every[start], every[start + options.apart]
-        images = [cv2.imread(str(p)) for p in (image, other)]
-        depths = [read_depth(p) for p in (depth, other_depth)]
+        images = [camera.read_image(p) for p in (image, other)]
+        depths = [camera.read_depth(p) for p in (depth, other_depth)]
         for name, detector in named:
             a, b = (densest(detector, i, options.density) for i in images)
-            judged, again = found_again(a, depths[0], b, depths[1], CAMERAS[options.camera],
+            judged, again = found_again(a, depths[0], b, depths[1], camera.pinhole,
                                         np.linalg.inv(pose_b) @ pose_a)
             # What a random mask of the same density would reach, to read the share against.
             chance = cv2.dilate(b.astype(np.uint8), np.ones((3, 3))).mean()
