@@ -28,7 +28,7 @@ struct World {
   Reference reference = reference_with_surface();
 
   [[nodiscard]] Reference reference_with_surface() const {
-    Reference made = make_reference(first, pixels, config.tracking.softness);
+    Reference made = make_reference(first, pixels, {.softness = config.tracking.softness});
     made.surface = make_surface(first.depth, undistortion.camera, config.tracking.surface_cell,
                                 config.tracking.depth_noise);
     return made;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <span>
 
 namespace edvo {
 namespace {
@@ -34,7 +35,7 @@ Json pose_array(const SE3& pose) {
   return array;
 }
 
-Json levels_array(const std::vector<LevelStats>& levels) {
+Json levels_array(std::span<const LevelStats> levels) {
   Json array = Json::array();
   for (const LevelStats& level : levels)
     array.push_back({{"level", level.level},
