@@ -26,6 +26,8 @@ void print_counts(const RunSummary& summary) {
       "time       {:.2f} ms per frame (median), {:.2f} ms (p95); {:.1f} frames/s with reading\n",
       summary.total_milliseconds.median, summary.total_milliseconds.p95,
       frames_per_second(summary));
+  if (summary.slowest_second)
+    fmt::print("           {} in the slowest second\n", counted(*summary.slowest_second, "frame"));
   fmt::print("memory     {:.0f} MB at most\n", summary.peak_memory);
 }
 

@@ -24,9 +24,11 @@ constexpr double kDegreesOfFreedom = 6;
 Reference reference_of(const Frame& frame, const Undistortion& undistortion, const Config& config) {
   const cv::Mat_<std::uint8_t> mask =
       with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
-  Reference reference = make_reference(
-      frame, select_pixels(frame, mask, undistortion.valid, config.selection),
-      config.tracking.softness, config.tracking.finest_level, config.tracking.coarsest_level);
+  Reference reference =
+      make_reference(frame, select_pixels(frame, mask, undistortion.valid, config.selection),
+                     {.softness = config.tracking.softness,
+                      .finest_level = config.tracking.finest_level,
+                      .coarsest_level = config.tracking.coarsest_level});
   reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                                    config.tracking.depth_noise);
   return reference;

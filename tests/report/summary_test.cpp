@@ -69,6 +69,24 @@ TEST(Summary, OfNothingIsStillASummary) {
   EXPECT_EQ(summary["frames_per_second"], 0);
 }
 
+std::vector<FrameRecord> finished_at(const std::vector<double>& seconds) {
+  std::vector<FrameRecord> frames;
+  for (const double s : seconds) frames.push_back({.finished = s});
+  return frames;
+}
+
+TEST(SlowestSecond, MayBeginAtTheStartOrAtTheEndOfAnyFrame) {
+  EXPECT_EQ(slowest_second(finished_at({0.9, 1.2, 1.4, 1.6, 1.85, 1.95, 2.3})), 1);
+  EXPECT_EQ(slowest_second(finished_at({0.1, 0.2, 0.3, 1.25, 1.3, 1.4, 1.5})), 1);
+  EXPECT_EQ(slowest_second(finished_at({0.5, 3, 3.5, 4.1})), 0);
+}
+
+TEST(SlowestSecond, NeedsARunOfASecond) {
+  EXPECT_EQ(slowest_second(finished_at({0.1, 0.5, 0.99})), std::nullopt);
+  EXPECT_EQ(slowest_second({}), std::nullopt);
+  EXPECT_TRUE(json::parse(to_json(summarize({}, {}, {})))["slowest_second_frames"].is_null());
+}
+
 TEST(Quantile, InterpolatesBetweenNeighbours) {
   EXPECT_DOUBLE_EQ(quantile({3, 1, 2}, 0.5), 2);
   EXPECT_DOUBLE_EQ(quantile({1, 2}, 0.5), 1.5);

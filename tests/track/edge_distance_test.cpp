@@ -53,7 +53,7 @@ Reference card_reference(const Frame& frame, double softness) {
   for (int y = 20; y < 460; ++y)
     for (int x = 20; x < 620; ++x)
       if (distance(y, x) == 0) pixels.push_back({{x, y}, kDepth, 1.F});
-  Reference reference = make_reference(frame, pixels, softness);
+  Reference reference = make_reference(frame, pixels, {.softness = softness});
   reference.edge_points = edge_points(frame.edge_distance, kVgaCamera, pixels);
   return reference;
 }

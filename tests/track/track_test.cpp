@@ -10,6 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 namespace edvo {
 namespace {
 
@@ -74,7 +76,7 @@ TEST(Frame, PyramidKeepsPrincipalPointAndIntensityTogether) {
 TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
   const Frame frame = plane_frame({});
   const auto pixels = grid_pixels(frame, 37);
-  const Reference reference = make_reference(frame, pixels, 40);
+  const Reference reference = make_reference(frame, pixels, {.softness = 40});
   const ReferenceLevel& level = reference.levels[0];
   constexpr double kStep = 1e-5;
   for (std::size_t i = 0; i < level.count; ++i)
@@ -172,7 +174,7 @@ TEST(Robust, SigmaIsTheMedianOfSizesWhateverTheirSignsAndLeavesNanOut) {
 
 TEST(Shift, IsHowFarPosesMoveThePointsApartInWidthsOfTheImage) {
   const Frame frame = plane_frame(SE3{});
-  const Reference reference = make_reference(frame, grid_pixels(frame, 20), 40);
+  const Reference reference = make_reference(frame, grid_pixels(frame, 20), {});
   const SE3 still, aside{.translation = {0.1, 0, 0}};
   EXPECT_DOUBLE_EQ(shift(reference, 0, aside, aside), 0);
   const double expected = kVgaCamera.fx * 0.1 / kPlane.distance / kVgaCamera.width;
@@ -182,7 +184,7 @@ TEST(Shift, IsHowFarPosesMoveThePointsApartInWidthsOfTheImage) {
 
 TEST(Tracker, RecoversAMotionOnAPlane) {
   const Frame key = plane_frame({});
-  Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  Reference reference = make_reference(key, grid_pixels(key, 9), {});
   for (const SE3& truth :
        {motion(0.05, 0, 0, 0, 0, 0), motion(0, -0.04, 0.03, 0, 0, 0),
         motion(0, 0, 0, 0.03, -0.02, 0.05), motion(0.02, 0.03, -0.05, 0.02, 0.01, -0.03)}) {
@@ -194,7 +196,7 @@ TEST(Tracker, RecoversAMotionOnAPlane) {
 
 TEST(Tracker, EstimatesGainAndBias) {
   const Frame key = plane_frame({});
-  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  const Reference reference = make_reference(key, grid_pixels(key, 9), {});
   RgbdImage darker = test::render_plane(kPlane, kVgaCamera, motion(0.02, 0, 0, 0, 0.01, 0));
   darker.bgr.convertTo(darker.bgr, -1, 0.7, 12);
   const TrackResult result =
@@ -207,7 +209,7 @@ TEST(Tracker, EstimatesGainAndBias) {
 
 TEST(Tracker, SaysLostOnAnUnrelatedImage) {
   const Frame key = plane_frame({});
-  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  const Reference reference = make_reference(key, grid_pixels(key, 9), {});
   Frame black = key;
   for (Level& level : black.levels)
     level.gray = cv::Mat_<std::uint8_t>(level.gray.size(), std::uint8_t{0});
@@ -221,19 +223,20 @@ TEST(Surface, SigmaIsTheNoiseOfTheSensorOnceAligned) {
   const SE3 moved = motion(0.03, 0.01, -0.02, 0.01, -0.01, 0.005);
   const Frame key = plane_frame({}), current = plane_frame(moved);
   const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
-  EXPECT_LT(surface_sigma(surface, kVgaCamera, current.depth, inverse(moved)), 1e-4F);
-  EXPECT_GT(surface_sigma(surface, kVgaCamera, current.depth, SE3{}), 3e-3F);
+  std::vector<float> room;
+  EXPECT_LT(surface_sigma(surface, kVgaCamera, current.depth, inverse(moved), room), 1e-4F);
+  EXPECT_GT(surface_sigma(surface, kVgaCamera, current.depth, SE3{}, room), 3e-3F);
   cv::Mat_<float> noisy = current.depth.clone();
   constexpr double kSigma = 0.002;  // [1 / m]
   cv::RNG random(7);
   for (float& z : noisy) z = 1 / (1 / z + static_cast<float>(random.gaussian(kSigma)));
-  EXPECT_NEAR(surface_sigma(surface, kVgaCamera, noisy, inverse(moved)), kSigma, 3e-4);
-  EXPECT_EQ(surface_sigma({}, kVgaCamera, noisy, SE3{}), 0.F);
+  EXPECT_NEAR(surface_sigma(surface, kVgaCamera, noisy, inverse(moved), room), kSigma, 3e-4);
+  EXPECT_EQ(surface_sigma({}, kVgaCamera, noisy, SE3{}, room), 0.F);
 }
 
 TEST(Tracker, InformationIsSymmetricAndPositive) {
   const Frame key = plane_frame({});
-  const Reference reference = make_reference(key, grid_pixels(key, 9), 40);
+  const Reference reference = make_reference(key, grid_pixels(key, 9), {});
   const Matrix6d information = track(reference, key, {}, {}).information;
   EXPECT_LT((information - information.transpose()).norm(), 1e-6 * information.norm());
   EXPECT_GT(information.ldlt().vectorD().minCoeff(), 0);
@@ -246,7 +249,9 @@ TEST(Turn, IsFoundFromAShiftThatGradientsDoNotTell) {
   random.fill(wide, cv::RNG::UNIFORM, 0, 256);
   const cv::Mat_<std::uint8_t> before = wide(cv::Rect(20, 15, 40, 30));
   const cv::Mat_<std::uint8_t> now = wide(cv::Rect(20 - 9, 15 + 5, 40, 30));  // all moves (9, -5)
-  const SE3 turn = turn_between(before, now, camera);
+  PhaseCorrelation correlation;
+  correlation.shift_to(before);
+  const SE3 turn = turn_of(correlation.shift_to(now), camera);
   const Eigen::Vector3d moved = turn * Eigen::Vector3d(0, 0, 1);
   EXPECT_NEAR(moved.x() / moved.z() * camera.fx, 9, 1);
   EXPECT_NEAR(moved.y() / moved.z() * camera.fy, -5, 1);
@@ -254,7 +259,40 @@ TEST(Turn, IsFoundFromAShiftThatGradientsDoNotTell) {
 
 TEST(Turn, IsNoneBetweenBlankImages) {
   const cv::Mat_<std::uint8_t> blank(30, 40, std::uint8_t{90});
-  EXPECT_LT(rotation_angle(turn_between(blank, blank, kVgaCamera)), 1e-6);
+  PhaseCorrelation correlation;
+  correlation.shift_to(blank);
+  EXPECT_LT(cv::norm(correlation.shift_to(blank)), 1e-6);
+}
+
+TEST(Turn, ShiftsAreThoseOfOpenCv) {
+  cv::Mat_<std::uint8_t> scene(120, 160);
+  cv::RNG random(5);
+  random.fill(scene, cv::RNG::UNIFORM, 0, 256);
+  for (const cv::Size size : {cv::Size(40, 30), cv::Size(62, 46)}) {
+    PhaseCorrelation correlation;
+    cv::Mat before, window;
+    cv::createHanningWindow(window, size, CV_32F);
+    for (int i = 0; i < 4; ++i) {
+      const cv::Mat_<std::uint8_t> image = scene(cv::Rect({20 + 3 * i, 30 - 2 * i * i}, size));
+      cv::Mat now;
+      image.convertTo(now, CV_32F);
+      const cv::Point2d shift = correlation.shift_to(image);
+      const cv::Point2d expected =
+          i == 0 ? cv::Point2d() : cv::phaseCorrelate(before, now.clone(), window);
+      EXPECT_LT(cv::norm(shift - expected), 1e-4) << size << ' ' << i;
+      image.convertTo(before, CV_32F);
+    }
+  }
+}
+
+TEST(Turn, ShiftsAreRightInImagesOfOddSize) {  // where OpenCV's are half a pixel off
+  cv::Mat_<std::uint8_t> scene(120, 160);
+  cv::RNG random(5);
+  random.fill(scene, cv::RNG::UNIFORM, 0, 256);
+  PhaseCorrelation correlation;
+  correlation.shift_to(scene(cv::Rect(20, 30, 75, 45)));
+  const cv::Point2d shift = correlation.shift_to(scene(cv::Rect(17, 32, 75, 45)));
+  EXPECT_LT(cv::norm(shift - cv::Point2d(3, -2)), 0.3);
 }
 
 TEST(Selection, TakesTheForegroundAtADepthJump) {

@@ -10,6 +10,8 @@
 
 namespace edvo {
 
+constexpr int kMostLevels = 8;
+
 struct FrameOptions {
   int levels = 6;
 };
@@ -17,7 +19,7 @@ struct FrameOptions {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, FrameOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("levels", self.levels, Range{1, 8},
+  visit("levels", self.levels, Range{1, kMostLevels},
         "pyramid levels, the full image included; the paper's four and coarser ones");
 }
 

@@ -10,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace edvo {
 
@@ -50,7 +49,7 @@ struct FrameReport {
   double inlier_ratio = 0;                  // [0..1] of the points in view
   double overlap = 0;                       // [0..1] of the keyframe's points in view
   double rms = 0;                           // photometric, inliers [grey levels]
-  std::vector<LevelStats> levels;           // coarse to fine
+  LevelList levels;                         // coarse to fine
   std::optional<KeyframeReason> keyframe;   // set if this frame became a keyframe
   StageTimes milliseconds;
 };

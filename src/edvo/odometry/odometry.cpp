@@ -2,6 +2,7 @@
 #include "edvo/odometry/odometry.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/inplace_vector.hpp"
 #include "edvo/odometry/local_map.hpp"
 #include "edvo/track/edge_distance.hpp"
 #include "edvo/track/selection.hpp"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <utility>
 
 namespace edvo {
 namespace {
@@ -67,16 +69,34 @@ std::size_t turn_level(const Frame& frame) {
   return level;
 }
 
-Reference make_coarse_reference(const Frame& frame, const Config& config) {
-  Reference reference = make_reference(
-      frame, grid_pixels(frame, config.coarse.step, config.selection), config.tracking.softness,
-      std::min(config.coarse.finest_level, static_cast<int>(frame.levels.size()) - 1),
-      config.coarse.coarsest_level);
+// An image whole but coarse, to align the next one to.
+struct CoarseImage {
+  std::vector<SelectedPixel> pixels;
+  Reference reference;
+};
+
+// recycled: of no more use, its memory serves the new one.
+CoarseImage make_coarse_image(const Frame& frame, const Config& config, CoarseImage recycled) {
+  CoarseImage image = std::move(recycled);
+  image.pixels = grid_pixels(frame, config.coarse.step, config.selection, std::move(image.pixels));
+  image.reference =
+      make_reference(frame, image.pixels,
+                     {.softness = config.tracking.softness,
+                      .finest_level = std::min(config.coarse.finest_level,
+                                               static_cast<int>(frame.levels.size()) - 1),
+                      .coarsest_level = config.coarse.coarsest_level},
+                     std::move(image.reference));
+  SurfacePoints& surface = image.reference.surface;
   if (config.tracking.geometric > 0)
-    reference.surface = make_surface(frame.depth, frame.levels.front().camera,
-                                     2 * config.coarse.step, config.tracking.depth_noise);
-  return reference;
+    surface = make_surface(frame.depth, frame.levels.front().camera, 2 * config.coarse.step,
+                           config.tracking.depth_noise, std::move(surface));
+  return image;
 }
+
+// Motions from the last frame or alignments to the keyframe, the likeliest first.
+constexpr std::size_t kMostGuesses = 3;
+using Motions = InplaceVector<SE3, kMostGuesses>;
+using Guesses = InplaceVector<Alignment, kMostGuesses>;
 
 std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames_since_keyframe,
                                            const KeyframeOptions& options) {
@@ -97,12 +117,13 @@ struct Odometry::State {
   std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
   LocalMap map;                           // keyframes and their joint refinement
   Reference reference;                    // of the last keyframe
-  Reference last_image;                   // the last frame, whole but coarse
-  cv::Mat_<std::uint8_t> last_gray;       // and its image on one level
-  Alignment alignment;                    // of the last frame to the last keyframe
-  SE3 last_from_cur;                      // motion of the last two frames
-  std::vector<FrameLink> frames;          // tracked frames
-  std::optional<Stamp> newest;            // of all images
+  CoarseImage last_image;                 // the last frame
+  PhaseCorrelation correlation;           // of it and the next one
+  TrackScratch scratch;
+  Alignment alignment;            // of the last frame to the last keyframe
+  SE3 last_from_cur;              // motion of the last two frames
+  std::vector<FrameLink> frames;  // tracked frames
+  std::optional<Stamp> newest;    // of all images
   std::int64_t images = 0;
   double usual_sigma = 0;  // of tracked frames' residuals, 0 = none yet [grey levels]
   int since_keyframe = 0;  // frames
@@ -112,9 +133,11 @@ struct Odometry::State {
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
   Alignment moved_by(const SE3& cur_from_last) const;
-  std::vector<Alignment> guesses(const Frame& frame) const;
-  TrackResult align(const Frame& frame, const std::vector<Alignment>& guesses);
-  TrackResult second_look(const Frame& frame, TrackResult first);
+  SE3 turn_to(const Frame& frame);
+  Motions likely_motions(const Frame& frame);
+  Guesses guesses(const Frame& frame);
+  TrackResult align(const Frame& frame, const Guesses& guesses);
+  TrackResult second_look(const Frame& frame, const TrackResult& first);
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
@@ -147,45 +170,55 @@ Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
   return moved;
 }
 
-// Where the frame could be: moved on as before, or as whole coarse images tell (started from there,
-// from standing still or from a turn), or standing still.
-// The likeliest first.
-std::vector<Alignment> Odometry::State::guesses(const Frame& frame) const {
-  std::vector<SE3> motions = {inverse(last_from_cur), SE3{}};
-  if (config.coarse.enabled) {
-    const Alignment moving{.cur_from_ref = motions.front(), .gain = 1, .bias = 0};
-    const TrackOptions options = coarse_tracking(config);
-    const Level& level = frame.levels[turn_level(frame)];
-    const Alignment turning{.cur_from_ref = turn_between(last_gray, level.gray, level.camera)};
-    Alignment start = moving;
-    double least = coarse_cost(last_image, frame, moving, options);
-    for (const Alignment& other : {Alignment{}, turning})
-      if (const double cost = coarse_cost(last_image, frame, other, options); cost < least) {
-        start = other;
-        least = cost;
-      }
-    const TrackResult coarse = track(last_image, frame, start, options);
-    if (coarse.status == TrackStatus::kTracked)
-      motions.insert(motions.begin(), coarse.alignment.cur_from_ref);
+// Since the last frame; to be asked of every frame, once.
+SE3 Odometry::State::turn_to(const Frame& frame) {
+  const Level& level = frame.levels[turn_level(frame)];
+  return turn_of(correlation.shift_to(level.gray), level.camera);
+}
+
+// How the camera could have moved, cur_from_last: as whole coarse images tell (started from the
+// motion going on, from standing still or from a turn), as before, or not at all.
+Motions Odometry::State::likely_motions(const Frame& frame) {
+  const SE3 going_on = inverse(last_from_cur);
+  if (!config.coarse.enabled) return {going_on, SE3{}};
+  const Reference& last = last_image.reference;
+  const TrackOptions options = coarse_tracking(config);
+  Alignment start{.cur_from_ref = going_on};
+  double least = coarse_cost(last, frame, start, options, scratch);
+  for (const SE3& other : {SE3{}, turn_to(frame)}) {
+    const Alignment guess{.cur_from_ref = other};
+    const double cost = coarse_cost(last, frame, guess, options, scratch);
+    if (cost < least) {
+      start = guess;
+      least = cost;
+    }
   }
-  std::vector<std::pair<double, Alignment>> all;
-  for (const SE3& motion : motions) {
-    const Alignment guess = moved_by(motion);
-    all.emplace_back(coarse_cost(reference, frame, guess, config.tracking), guess);
+  const TrackResult coarse = track(last, frame, start, options, scratch);
+  if (coarse.status != TrackStatus::kTracked) return {going_on, SE3{}};
+  return {coarse.alignment.cur_from_ref, going_on, SE3{}};
+}
+
+// Where the frame could be, by its cost to the keyframe.
+Guesses Odometry::State::guesses(const Frame& frame) {
+  Guesses all;
+  InplaceVector<std::pair<double, std::size_t>, kMostGuesses> costs;  // and whose
+  for (const SE3& motion : likely_motions(frame)) {
+    all.push_back(moved_by(motion));
+    costs.push_back(
+        {coarse_cost(reference, frame, all.back(), config.tracking, scratch), costs.size()});
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<Alignment> sorted;
-  for (const auto& [cost, guess] : all) sorted.push_back(guess);
+  std::sort(costs.begin(), costs.end());
+  Guesses sorted;
+  for (const auto& [cost, i] : costs) sorted.push_back(all[i]);
   return sorted;
 }
 
 // From the likeliest guess; from the others if that fails. Looked at again where residuals are
 // large, the motion is sudden, or something else has been seen to move.
-TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignment>& guesses) {
+TrackResult Odometry::State::align(const Frame& frame, const Guesses& guesses) {
   TrackResult result;
   for (const Alignment& guess : guesses) {
-    result = track(reference, frame, guess, config.tracking);
+    result = track(reference, frame, guess, config.tracking, scratch);
     if (result.status == TrackStatus::kTracked) break;
   }
   const bool sudden = shift(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
@@ -193,24 +226,24 @@ TrackResult Odometry::State::align(const Frame& frame, const std::vector<Alignme
   const double limit =
       sudden ? std::min(1.0, config.coarse.second_look) : config.coarse.second_look;
   const bool suspicious = two_motions > 0 || result.sigma >= limit * usual_sigma;
-  return suspicious ? second_look(frame, std::move(result)) : result;
+  return suspicious ? second_look(frame, result) : result;
 }
 
 // Something large that moves on its own is what coarse levels see best, and they follow it; soon
 // after a keyframe its motion explains the image as well as the camera's does. Fine levels alone,
 // from the motion going on (or from none, if that is clearly better), and deaf to what does not
 // fit, find the camera's again. Once both have differed, the benefit of the doubt is the second's.
-TrackResult Odometry::State::second_look(const Frame& frame, TrackResult first) {
+TrackResult Odometry::State::second_look(const Frame& frame, const TrackResult& first) {
   TrackOptions options = config.tracking;
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
   options.loss = Loss::kTukey;
   options.loss_parameter = kSecondTukey;
   TrackResult second;
   for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
-    TrackResult other = track(reference, frame, guess, options);
+    const TrackResult other = track(reference, frame, guess, options, scratch);
     if (other.status != TrackStatus::kTracked) continue;
     if (second.status == TrackStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
-      second = std::move(other);
+      second = other;
   }
   const bool differ = shift(reference, options.finest_level, first.alignment.cur_from_ref,
                             second.alignment.cur_from_ref) > kTwoMotions;
@@ -233,11 +266,14 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   const std::vector<SelectedPixel> pixels =
       select_pixels(frame, candidates, undistortion.valid, config.selection);
   if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
-  reference = make_reference(frame, pixels, config.tracking.softness, config.tracking.finest_level,
-                             config.tracking.coarsest_level);
+  reference = make_reference(frame, pixels,
+                             {.softness = config.tracking.softness,
+                              .finest_level = config.tracking.finest_level,
+                              .coarsest_level = config.tracking.coarsest_level},
+                             std::move(reference));
   if (config.tracking.geometric > 0)
     reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
-                                     config.tracking.depth_noise);
+                                     config.tracking.depth_noise, std::move(reference.surface));
   if (config.tracking.edge_distance > 0)
     reference.edge_points = edge_points(frame.edge_distance, undistortion.camera, pixels);
   report.milliseconds.selection = watch.lap();
@@ -264,7 +300,7 @@ void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, Ke
 
 void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   Stopwatch watch;
-  const std::vector<Alignment> starts = guesses(frame);
+  const Guesses starts = guesses(frame);
   const TrackResult result = align(frame, starts);
   report.milliseconds.tracking = watch.lap();
   report.levels = result.levels;
@@ -341,14 +377,14 @@ FrameReport Odometry::process_prepared(const PreparedImage& image) {
   Stopwatch total;
   FrameReport report{.index = s.images++, .stamp = frame.stamp};
   report.milliseconds.frame = image.milliseconds;
-  if (s.map.keyframes().empty())
+  if (s.map.keyframes().empty()) {
+    if (s.config.coarse.enabled) (void)s.turn_to(frame);
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
-  else
+  } else {
     s.follow(frame, report);
-  if (s.config.coarse.enabled) {
-    s.last_image = make_coarse_reference(frame, s.config);
-    s.last_gray = frame.levels[turn_level(frame)].gray;
   }
+  if (s.config.coarse.enabled)
+    s.last_image = make_coarse_image(frame, s.config, std::move(s.last_image));
   report.milliseconds.total = image.milliseconds + total.lap();
   return report;
 }

@@ -28,7 +28,8 @@ void Recorder::append(const FrameReport& report) {
                          .keyframe = report.keyframe,
                          .inlier_ratio = static_cast<float>(report.inlier_ratio),
                          .overlap = static_cast<float>(report.overlap),
-                         .milliseconds = report.milliseconds});
+                         .milliseconds = report.milliseconds,
+                         .finished = std::chrono::duration<double>(Clock::now() - begun_).count()});
   if (report.status == FrameStatus::kLost) return;
   const StampedPose pose{.stamp = report.stamp, .world_from_camera = report.world_from_camera};
   trajectory_.append(trajectory_line(pose));

@@ -6,6 +6,7 @@
 #include "edvo/io/output_file.hpp"
 #include "edvo/report/summary.hpp"
 
+#include <chrono>
 #include <filesystem>
 
 namespace edvo {
@@ -35,6 +36,9 @@ class Recorder {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  Clock::time_point begun_ = Clock::now();
   std::filesystem::path folder_;
   RunDescription run_;
   LineFile frames_;

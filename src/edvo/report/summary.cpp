@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <span>
 
 namespace edvo {
 namespace {
@@ -34,7 +35,7 @@ Json pose_array(const SE3& pose) {
   return array;
 }
 
-Json levels_array(const std::vector<LevelStats>& levels) {
+Json levels_array(std::span<const LevelStats> levels) {
   Json array = Json::array();
   for (const LevelStats& level : levels)
     array.push_back({{"level", level.level},
@@ -158,6 +159,20 @@ double frames_per_second(const RunSummary& summary) {
   return summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0;
 }
 
+std::optional<std::int64_t> slowest_second(const std::vector<FrameRecord>& frames) {
+  std::optional<std::int64_t> fewest;
+  double begin = 0;
+  std::size_t end = 0;  // the first frame that is not finished within a second
+  for (std::size_t first = 0; first < frames.size(); ++first) {
+    while (end < frames.size() && frames[end].finished <= begin + 1) ++end;
+    if (end == frames.size()) break;  // no whole second is left
+    const auto count = static_cast<std::int64_t>(end - first);
+    fewest = std::min(fewest.value_or(count), count);
+    begin = frames[first].finished;
+  }
+  return fewest;
+}
+
 std::string config_hash(std::string_view config) {
   std::uint64_t hash = 0xcbf29ce484222325;  // FNV offset basis
   for (const char c : config) {
@@ -175,6 +190,7 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
                      .path_length = path_length(outcome.trajectory),
                      .wall_seconds = outcome.wall_seconds,
                      .peak_memory = peak_memory(),
+                     .slowest_second = slowest_second(log.frames),
                      .interrupted = outcome.interrupted,
                      .evaluation = outcome.evaluation,
                      .no_evaluation = outcome.no_evaluation};
@@ -249,6 +265,7 @@ std::string to_json(const RunSummary& summary) {
                {"path_length_m", number(summary.path_length, 4)},
                {"wall_s", number(summary.wall_seconds, 3)},
                {"frames_per_second", number(frames_per_second(summary), 2)},
+               {"slowest_second_frames", nullptr},
                {"ms", stages},
                {"peak_memory_mb", number(summary.peak_memory, 1)},
                {"evaluation", nullptr},
@@ -258,6 +275,7 @@ std::string to_json(const RunSummary& summary) {
                {"warnings", run.warnings},
                {"machine", to_json(summary.machine)}};
   if (run.seed) json["seed"] = *run.seed;
+  if (summary.slowest_second) json["slowest_second_frames"] = *summary.slowest_second;
   if (summary.evaluation) json["evaluation"] = to_json(*summary.evaluation);
   if (!summary.no_evaluation.empty()) json["no_evaluation"] = summary.no_evaluation;
   return dump(json, 2) + "\n";

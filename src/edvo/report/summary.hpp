@@ -57,6 +57,7 @@ struct FrameRecord {
   std::optional<KeyframeReason> keyframe;
   float inlier_ratio = 0, overlap = 0;  // [0..1]
   StageTimes milliseconds;
+  double finished = 0;  // wall time since the run began [s]
 };
 
 struct SkippedFrame {
@@ -123,6 +124,7 @@ struct RunSummary {
   double path_length = 0;   // of the trajectory as known at the end [m]
   double wall_seconds = 0;  // from the first frame asked for to the last pose
   double peak_memory = 0;   // [MB]
+  std::optional<std::int64_t> slowest_second = {};  // frames, see below
   bool interrupted = false;
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;
@@ -146,6 +148,10 @@ struct RunSummary {
 
 // Frames processed per second of the whole run, reading them included.
 [[nodiscard]] double frames_per_second(const RunSummary& summary);
+
+// Fewest frames that were finished in any second of wall time, from the start of the run or from
+// the end of any frame on: what `frames_per_second` hides. None of a run shorter than a second.
+[[nodiscard]] std::optional<std::int64_t> slowest_second(const std::vector<FrameRecord>& frames);
 
 // Fingerprint of a resolved configuration (64-bit FNV-1a of the text, hexadecimal).
 [[nodiscard]] std::string config_hash(std::string_view config);

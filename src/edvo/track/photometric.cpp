@@ -266,13 +266,14 @@ PoseSums sum_surface(const SurfacePoints& surface, const Camera& camera,
 }
 
 float surface_sigma(const SurfacePoints& surface, const Camera& camera,
-                    const cv::Mat_<float>& depth, const SE3& cur_from_ref) {
+                    const cv::Mat_<float>& depth, const SE3& cur_from_ref,
+                    std::vector<float>& errors) {
   constexpr std::size_t kEvery = 4;  // points: a median needs no more
   const Eigen::Matrix3f R = cur_from_ref.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = cur_from_ref.translation.cast<float>();
   const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
   const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  std::vector<float> errors;
+  errors.clear();
   errors.reserve(surface.x.size() / kEvery + 1);
   for (std::size_t i = 0; i < surface.x.size(); i += kEvery) {
     const Eigen::Vector3f q = R * Eigen::Vector3f(surface.x[i], surface.y[i], surface.z[i]) + t;

@@ -57,7 +57,9 @@ struct PoseSums {
                                    float noise, float weight);
 
 // Sigma of those residuals as one of inverse depth [1 / m], from their median; 0 without any.
+// errors: room to work in.
 [[nodiscard]] float surface_sigma(const SurfacePoints& surface, const Camera& camera,
-                                  const cv::Mat_<float>& depth, const SE3& cur_from_ref);
+                                  const cv::Mat_<float>& depth, const SE3& cur_from_ref,
+                                  std::vector<float>& errors);
 
 }  // namespace edvo

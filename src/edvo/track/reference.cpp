@@ -4,6 +4,8 @@
 #include "edvo/core/lanes.hpp"
 #include "edvo/track/bilinear.hpp"
 
+#include <utility>
+
 namespace edvo {
 namespace {
 
@@ -19,28 +21,31 @@ std::array<float, 6> intensity_jacobian(const Camera& camera, const Eigen::Vecto
   return {a, b, c, p.y() * c - p.z() * b, p.z() * a - p.x() * c, p.x() * b - p.y() * a};
 }
 
+void clear(ReferenceLevel& level) {
+  level.count = 0;
+  for (std::vector<float>* array : {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
+    array->clear();
+  for (std::vector<float>& array : level.jacobian) array.clear();
+}
+
 }  // namespace
 
 Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& pixels,
-                         double softness, int finest, int coarsest) {
-  Reference reference;
+                         const ReferenceOptions& options, Reference recycled) {
+  Reference reference = std::move(recycled);
+  reference.levels.resize(frame.levels.size());
+  reference.surface.clear();
+  reference.edge_points.clear();
   const Camera& full = frame.levels.front().camera;
   for (std::size_t l = 0; l < frame.levels.size(); ++l) {
     const Level& source = frame.levels[l];
     const float scale = 1.F / static_cast<float>(1 << l);
-    const float softness_squared = static_cast<float>(softness * softness);
-    ReferenceLevel level{.camera = source.camera,
-                         .count = 0,
-                         .x = {},
-                         .y = {},
-                         .z = {},
-                         .intensity = {},
-                         .weight = {},
-                         .jacobian = {}};
-    if (static_cast<int>(l) < finest || static_cast<int>(l) > coarsest) {
-      reference.levels.push_back(std::move(level));
+    const float softness_squared = static_cast<float>(options.softness * options.softness);
+    ReferenceLevel& level = reference.levels[l];
+    level.camera = source.camera;
+    clear(level);
+    if (static_cast<int>(l) < options.finest_level || static_cast<int>(l) > options.coarsest_level)
       continue;
-    }
     for (const SelectedPixel& selected : pixels) {
       const float u = static_cast<float>(selected.pixel.x) * scale;
       const float v = static_cast<float>(selected.pixel.y) * scale;
@@ -63,7 +68,6 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
          {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
       array->resize(length);
     for (std::vector<float>& array : level.jacobian) array.resize(length);
-    reference.levels.push_back(std::move(level));
   }
   return reference;
 }

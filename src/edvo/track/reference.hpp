@@ -28,10 +28,15 @@ struct Reference {
   std::vector<Eigen::Vector3f> edge_points;  // [m], for the edge-distance residual
 };
 
+struct ReferenceOptions {
+  double softness = 40;  // [grey levels / px] gradient at which a pixel's weight is halved
+  int finest_level = 0, coarsest_level = kMostLevels - 1;  // only these are filled
+};
+
 // Builds what the inverse-compositional alignment needs: at each level the points' intensities and
 // the derivative of intensity by a motion of the point, both from the keyframe's own bilinear
-// image. Only levels from finest to coarsest are filled.
+// image. recycled: a reference of no more use, whose memory serves the new one.
 [[nodiscard]] Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& pixels,
-                                       double softness, int finest = 0, int coarsest = 100);
+                                       const ReferenceOptions& options, Reference recycled = {});
 
 }  // namespace edvo

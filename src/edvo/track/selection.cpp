@@ -102,8 +102,10 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
   return spread(pixels, gray.cols, options.cell, options.max_points);
 }
 
-std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const SelectOptions& options) {
-  std::vector<SelectedPixel> pixels;
+std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const SelectOptions& options,
+                                       std::vector<SelectedPixel> recycled) {
+  std::vector<SelectedPixel> pixels = std::move(recycled);
+  pixels.clear();
   for (int y = step / 2; y < frame.depth.rows; y += step)
     for (int x = step / 2; x < frame.depth.cols; x += step) {
       const float z = frame.depth(y, x);

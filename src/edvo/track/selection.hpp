@@ -54,9 +54,10 @@ struct SelectedPixel {
                                                        const SelectOptions& options);
 
 // Every step-th pixel of every step-th row that has a trusted depth: for coarse alignment of whole
-// images.
+// images. recycled: of no more use, its memory serves the new ones.
 [[nodiscard]] std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step,
-                                                     const SelectOptions& options);
+                                                     const SelectOptions& options,
+                                                     std::vector<SelectedPixel> recycled = {});
 
 // At most `limit` of them: the strongest of every cell, then the second of every cell, and so on.
 // In the order given. width: of the image [px].

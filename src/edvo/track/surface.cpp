@@ -4,6 +4,7 @@
 #include "edvo/core/lanes.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace edvo {
 namespace {
@@ -38,9 +39,14 @@ bool fit(const cv::Mat_<float>& depth, int u, int v, int step, float noise, Plan
 
 }  // namespace
 
+void SurfacePoints::clear() {
+  for (std::vector<float>* array : {&x, &y, &z, &nx, &ny, &nz}) array->clear();
+}
+
 SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera, int cell,
-                           double noise) {
-  SurfacePoints surface;
+                           double noise, SurfacePoints recycled) {
+  SurfacePoints surface = std::move(recycled);
+  surface.clear();
   const int step = std::max(1, cell / 3);
   const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
   const float cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);

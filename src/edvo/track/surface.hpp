@@ -15,11 +15,14 @@ namespace edvo {
 struct SurfacePoints {
   std::vector<float> x, y, z;     // in the keyframe camera [m]
   std::vector<float> nx, ny, nz;  // [1 / m]
+
+  void clear();
 };
 
 // One point per cell of the image, where 3 x 3 samples of the cell lie on a plane.
-// depth: H x W, [m], NaN = none. noise: sigma of inverse depth [1 / m].
+// depth: H x W, [m], NaN = none. noise: sigma of inverse depth [1 / m]. recycled: of no more use,
+// its memory serves the new one.
 [[nodiscard]] SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera,
-                                         int cell, double noise);
+                                         int cell, double noise, SurfacePoints recycled = {});
 
 }  // namespace edvo

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace edvo {
 namespace {
@@ -33,7 +34,7 @@ bool same(const Alignment& a, const Alignment& b) {
 class LevelProblem {
  public:
   LevelProblem(const Reference& reference, const Frame& frame, std::size_t level,
-               const TrackOptions& options)
+               const TrackOptions& options, TrackScratch& scratch)
       : reference_(reference.levels[level]),
         surface_(reference.surface),
         edge_points_(reference.edge_points),
@@ -42,15 +43,16 @@ class LevelProblem {
         depth_(frame.depth),
         edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
         options_(options),
+        scratch_(scratch),
         depth_noise_(static_cast<float>(options.depth_noise)) {}
 
   // NaN where a point is not in view. Computed once for an alignment that is asked for again.
   [[nodiscard]] const std::vector<float>& residuals(const Alignment& alignment) const {
-    if (residuals_.empty() || !same(alignment, residuals_at_)) {
-      photometric_residuals(reference_, current_, alignment, residuals_);
+    if (!residuals_at_ || !same(alignment, *residuals_at_)) {
+      photometric_residuals(reference_, current_, alignment, scratch_.residuals);
       residuals_at_ = alignment;
     }
-    return residuals_;
+    return scratch_.residuals;
   }
 
   void set_sigma(float sigma) { sigma_ = sigma; }  // [grey levels]
@@ -59,8 +61,9 @@ class LevelProblem {
   // residuals large, and then what we think of it holds.
   void set_depth_noise(const SE3& cur_from_ref) {
     const auto most = static_cast<float>(options_.depth_noise);
-    depth_noise_ = std::clamp(surface_sigma(surface_, full_camera_, depth_, cur_from_ref),
-                              kLeastDepthNoise * most, most);
+    depth_noise_ = std::clamp(
+        surface_sigma(surface_, full_camera_, depth_, cur_from_ref, scratch_.surface_errors),
+        kLeastDepthNoise * most, most);
   }
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
@@ -125,11 +128,11 @@ class LevelProblem {
   const cv::Mat_<float>& depth_;
   const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
-  float sigma_ = 10.F;       // [grey levels]
-  float depth_noise_ = 0.F;  // [1 / m]
-  double mean_depth_ = 1.5;  // [m]
-  mutable std::vector<float> residuals_;
-  mutable Alignment residuals_at_;
+  TrackScratch& scratch_;
+  float sigma_ = 10.F;                             // [grey levels]
+  float depth_noise_ = 0.F;                        // [1 / m]
+  double mean_depth_ = 1.5;                        // [m]
+  mutable std::optional<Alignment> residuals_at_;  // of which those in scratch_ are
 };
 
 float residual_sigma(const std::vector<float>& residuals, const TrackOptions& options) {
@@ -160,10 +163,10 @@ double correlation(const ReferenceLevel& reference, const Alignment& alignment,
 }  // namespace
 
 double coarse_cost(const Reference& reference, const Frame& frame, const Alignment& guess,
-                   const TrackOptions& options) {
+                   const TrackOptions& options, TrackScratch& scratch) {
   const std::size_t l = std::min<std::size_t>(static_cast<std::size_t>(options.coarsest_level),
                                               frame.levels.size() - 1);
-  const LevelProblem problem(reference, frame, l, options);
+  const LevelProblem problem(reference, frame, l, options, scratch);
   return problem.linearize(guess).cost;
 }
 
@@ -184,12 +187,12 @@ double shift(const Reference& reference, int level, const SE3& a, const SE3& b) 
 }
 
 TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
-                  const TrackOptions& options) {
+                  const TrackOptions& options, TrackScratch& scratch) {
   TrackResult result{.alignment = guess};
   const int coarsest = std::min(options.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
   for (int l = coarsest; l >= std::min(options.finest_level, coarsest); --l) {
     const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(l)];
-    LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options);
+    LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, scratch);
     const float sigma = residual_sigma(problem.residuals(result.alignment), options);
     problem.set_sigma(sigma);
     if (options.geometric > 0) problem.set_depth_noise(result.alignment.cur_from_ref);
@@ -232,6 +235,12 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
                     is_finite(result.alignment.cur_from_ref) && result.information.allFinite();
   result.status = fits ? TrackStatus::kTracked : TrackStatus::kLost;
   return result;
+}
+
+TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
+                  const TrackOptions& options) {
+  TrackScratch scratch;
+  return track(reference, frame, guess, options, scratch);
 }
 
 }  // namespace edvo

@@ -2,6 +2,7 @@
 // Direct alignment of a frame to a keyframe, coarse to fine.
 #pragma once
 
+#include "edvo/core/inplace_vector.hpp"
 #include "edvo/core/se3.hpp"
 #include "edvo/track/photometric.hpp"
 #include "edvo/track/reference.hpp"
@@ -16,8 +17,8 @@ struct TrackOptions {
   int coarsest_level = 3;
   Loss loss = Loss::kHuber;
   double loss_parameter = 1.345;
-  double min_sigma = 2.0;  // [grey levels]
-  double softness = 40.0;  // [grey levels / px]
+  double min_sigma = 2.0;                         // [grey levels]
+  double softness = ReferenceOptions{}.softness;  // [grey levels / px]
   int max_iterations = 30;
   double step_tolerance = 0.01;  // [px]
   bool brightness = true;
@@ -34,8 +35,10 @@ struct TrackOptions {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, TrackOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("finest_level", self.finest_level, Range{0, 7}, "last pyramid level used, 0 = full image");
-  visit("coarsest_level", self.coarsest_level, Range{0, 7}, "first pyramid level used");
+  visit("finest_level", self.finest_level, Range{0, kMostLevels - 1},
+        "last pyramid level used, 0 = full image");
+  visit("coarsest_level", self.coarsest_level, Range{0, kMostLevels - 1},
+        "first pyramid level used");
   visit("loss", self.loss, Range{}, "robust loss of the residuals (Eq. 6: huber)");
   visit("loss_parameter", self.loss_parameter, Range{0.1, 100},
         "theta_H of Eq. 6, Tukey's cut-off or Student's degrees of freedom [sigmas]");
@@ -74,25 +77,40 @@ struct LevelStats {
   bool converged = false;
 };
 
+using LevelList = InplaceVector<LevelStats, kMostLevels>;
+
 enum class TrackStatus { kTracked, kLost };
 
 struct TrackResult {
   Alignment alignment;
   Matrix6d information = Matrix6d::Zero();  // of xi in cur_from_ref * exp(xi)
   TrackStatus status = TrackStatus::kLost;
-  double overlap = 0;              // [0..1]
-  double inlier_ratio = 0;         // [0..1]
-  double correlation = 0;          // of fitting points' intensities in both images [-1..1]
-  double sigma = 0;                // of the residuals at the finest level [grey levels]
-  std::vector<LevelStats> levels;  // coarse to fine
+  double overlap = 0;       // [0..1]
+  double inlier_ratio = 0;  // [0..1]
+  double correlation = 0;   // of fitting points' intensities in both images [-1..1]
+  double sigma = 0;         // of the residuals at the finest level [grey levels]
+  LevelList levels;         // coarse to fine
 };
 
+// Room to work in. Who keeps it from frame to frame tracks without taking memory from the heap;
+// what is in it between two calls means nothing.
+struct TrackScratch {
+  std::vector<float> residuals;
+  std::vector<float> surface_errors;
+};
+
+[[nodiscard]] TrackResult track(const Reference& reference, const Frame& frame,
+                                const Alignment& guess, const TrackOptions& options,
+                                TrackScratch& scratch);
+
+// The same with room of its own.
 [[nodiscard]] TrackResult track(const Reference& reference, const Frame& frame,
                                 const Alignment& guess, const TrackOptions& options);
 
 // Mean robust cost of a guess at the coarsest level: to choose between guesses.
 [[nodiscard]] double coarse_cost(const Reference& reference, const Frame& frame,
-                                 const Alignment& guess, const TrackOptions& options);
+                                 const Alignment& guess, const TrackOptions& options,
+                                 TrackScratch& scratch);
 
 // How far apart two poses cur_from_ref see the points of a level, on average [widths of the image].
 [[nodiscard]] double shift(const Reference& reference, int level, const SE3& a, const SE3& b);
