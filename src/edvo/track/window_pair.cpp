@@ -17,6 +17,7 @@ constexpr float kMargin = 3.F;        // [px] room that a patch needs
 constexpr float kSaturation = 6.F;    // [sigmas] what a patch out of view or not matching pays
 constexpr float kOccluded = 1.10F;    // seen depth nearer by this factor: something stands in front
 constexpr float kDepthHuber = 2.F;    // [sigmas]
+constexpr std::size_t kAhead = 4;     // points that memory is asked for before their turn
 
 static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
 
@@ -73,6 +74,23 @@ template <int k>
   out.gx = 0.5F * (upper + b * (lower - upper));
   const Floats first = at[2] - at[0], second = at[3] - at[1];
   out.gy = 0.5F * (first + b * (second - first));
+}
+
+// Asks the memory for what a point's patch will read, so that it is there when its turn comes: the
+// images of a window are larger than the caches, and a patch is somewhere in them.
+[[gnu::always_inline]] inline void fetch(const PairConstants& c, const PairGeometry& g,
+                                         const WindowPoint& point, const WindowKeyframe& target) {
+  const auto& R = g.rotation;
+  const auto& t = g.translation;
+  const float rho = static_cast<float>(point.inverse_depth);
+  const float rx = (point.u - c.cx) / c.fx, ry = (point.v - c.cy) / c.fy;
+  const float iz = 1.F / (R[6] * rx + R[7] * ry + R[8] + rho * t[2]);
+  const float u = c.fx * (R[0] * rx + R[1] * ry + R[2] + rho * t[0]) * iz + c.cx;
+  const float v = c.fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + c.cy;
+  if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
+  const int column = static_cast<int>(u), row = static_cast<int>(v);
+  __builtin_prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
+  for (int y = row - 3; y <= row + 4; ++y) __builtin_prefetch(target.gray[y] + column);
 }
 
 // Halves, quarters: sums of eight lanes on their way to one.
@@ -141,6 +159,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
   const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const WindowPoint& point = points[i];
+    if (i + kAhead < points.size()) fetch(c, g, points[i + kAhead], target);
     float* couple = coupling + i * kN;
     const float rho = static_cast<float>(point.inverse_depth);
     const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
