@@ -260,9 +260,26 @@ TEST(Turn, IsNoneBetweenBlankImages) {
 TEST(Selection, TakesTheForegroundAtADepthJump) {
   cv::Mat_<float> depth(40, 40, 3.F);
   depth(cv::Rect(0, 0, 20, 40)) = 1.F;
-  EXPECT_FLOAT_EQ(edge_depth(depth, {21, 20}, {}), 1.F);
-  EXPECT_TRUE(std::isnan(edge_depth(depth, {21, 20}, {.foreground = false})));
-  EXPECT_FLOAT_EQ(edge_depth(depth, {30, 20}, {}), 3.F);
+  std::vector<float> depths;
+  edge_depths(depth, 20, {}, depths);
+  EXPECT_EQ(depths[21], 1.F);
+  EXPECT_EQ(depths[30], 3.F);
+  edge_depths(depth, 20, {.foreground = false}, depths);
+  EXPECT_TRUE(std::isnan(depths[21]));
+}
+
+TEST(Selection, DepthsMissingAroundAPixelAreNoJump) {
+  cv::Mat_<float> depth(40, 40, 2.F);
+  depth(19, 20) = depth(20, 22) = std::numeric_limits<float>::quiet_NaN();
+  depth(22, 29) = 1.5F;
+  std::vector<float> depths;
+  edge_depths(depth, 20, {}, depths);
+  EXPECT_EQ(depths[20], 2.F);
+  EXPECT_TRUE(std::isnan(depths[22]));
+  EXPECT_EQ(depths[27], 1.5F);  // as far as jump_radius
+  EXPECT_EQ(depths[26], 2.F);
+  edge_depths(depth, 20, {.max_depth = 1.8}, depths);
+  EXPECT_TRUE(std::isnan(depths[20]));
 }
 
 TEST(Selection, SpreadTakesOneOfEveryCellBeforeTheSecondOfAny) {
