@@ -298,9 +298,26 @@ TEST(Turn, ShiftsAreRightInImagesOfOddSize) {  // where OpenCV's are half a pixe
 TEST(Selection, TakesTheForegroundAtADepthJump) {
   cv::Mat_<float> depth(40, 40, 3.F);
   depth(cv::Rect(0, 0, 20, 40)) = 1.F;
-  EXPECT_FLOAT_EQ(edge_depth(depth, {21, 20}, {}), 1.F);
-  EXPECT_TRUE(std::isnan(edge_depth(depth, {21, 20}, {.foreground = false})));
-  EXPECT_FLOAT_EQ(edge_depth(depth, {30, 20}, {}), 3.F);
+  std::vector<float> depths;
+  edge_depths(depth, 20, {}, depths);
+  EXPECT_EQ(depths[21], 1.F);
+  EXPECT_EQ(depths[30], 3.F);
+  edge_depths(depth, 20, {.foreground = false}, depths);
+  EXPECT_TRUE(std::isnan(depths[21]));
+}
+
+TEST(Selection, DepthsMissingAroundAPixelAreNoJump) {
+  cv::Mat_<float> depth(40, 40, 2.F);
+  depth(19, 20) = depth(20, 22) = std::numeric_limits<float>::quiet_NaN();
+  depth(22, 29) = 1.5F;
+  std::vector<float> depths;
+  edge_depths(depth, 20, {}, depths);
+  EXPECT_EQ(depths[20], 2.F);
+  EXPECT_TRUE(std::isnan(depths[22]));
+  EXPECT_EQ(depths[27], 1.5F);  // as far as jump_radius
+  EXPECT_EQ(depths[26], 2.F);
+  edge_depths(depth, 20, {.max_depth = 1.8}, depths);
+  EXPECT_TRUE(std::isnan(depths[20]));
 }
 
 TEST(Selection, SpreadTakesOneOfEveryCellBeforeTheSecondOfAny) {
@@ -329,7 +346,8 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
   auto window = plane_window(poses, options);
   window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
   window[2].world_from_key = poses[2] * motion(-0.004, 0.005, 0.002, 0.002, -0.001, 0.001);
-  const WindowSummary summary = refine_window(window, kVgaCamera, 1, options);
+  std::vector<PairModel> memory;
+  const WindowSummary summary = refine_window(window, kVgaCamera, 1, options, memory);
   EXPECT_LT(summary.last_cost, summary.first_cost);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
@@ -342,7 +360,8 @@ TEST(Window, LeavesTheFixedKeyframesWhereTheyAre) {
   const std::vector<SE3> poses = {SE3{}, motion(0.05, 0, 0, 0, 0, 0), motion(0.1, 0, 0, 0, 0, 0)};
   auto window = plane_window(poses, options);
   window[2].world_from_key = poses[2] * motion(0.003, 0, 0, 0, 0, 0);
-  (void)refine_window(window, kVgaCamera, 2, options);
+  std::vector<PairModel> memory;
+  (void)refine_window(window, kVgaCamera, 2, options, memory);
   EXPECT_THAT(window[0].world_from_key, NearPose(poses[0], 1e-15));
   EXPECT_THAT(window[1].world_from_key, NearPose(poses[1], 1e-15));
 }
@@ -357,12 +376,19 @@ std::vector<WindowKeyframe> disturbed_window(const WindowOptions& options) {
   return window;
 }
 
+// All pairs anew.
+WindowSystem linearized(const std::vector<WindowKeyframe>& window, WindowPairs pairs,
+                        const WindowOptions& options) {
+  std::vector<PairModel> models(window.size() * window.size());
+  return linearize_window(window, kVgaCamera, 1, pairs, options, models);
+}
+
 class WindowCost : public testing::TestWithParam<WindowPairs> {};
 
 TEST_P(WindowCost, GradientMatchesNumericDifferences) {
   const WindowOptions options{.geometric = 0};
   const auto window = disturbed_window(options);
-  const WindowSystem system = linearize_window(window, kVgaCamera, 1, GetParam(), options);
+  const WindowSystem system = linearized(window, GetParam(), options);
   constexpr double kStep = 1e-4;
   for (int k = 0; k < 12; ++k) {
     const auto cost = [&](double step) {
@@ -371,7 +397,7 @@ TEST_P(WindowCost, GradientMatchesNumericDifferences) {
       xi[k % 6] = step;
       auto& pose = moved[static_cast<std::size_t>(1 + k / 6)].world_from_key;
       pose = pose * exp(xi);
-      return linearize_window(moved, kVgaCamera, 1, GetParam(), options).cost;
+      return linearized(moved, GetParam(), options).cost;
     };
     const double numeric = (cost(kStep) - cost(-kStep)) / (2 * kStep);
     const Vector6d gradient = system.gradient.segment<6>(8 * (k / 6));  // of this pose
@@ -382,15 +408,14 @@ TEST_P(WindowCost, GradientMatchesNumericDifferences) {
 TEST_P(WindowCost, MovesByAStepAsItsGradientSays) {
   const WindowOptions options{};
   auto window = disturbed_window(options);
-  const WindowSystem newest =
-      linearize_window(window, kVgaCamera, 1, WindowPairs::kNewest, options);
-  WindowSystem system = linearize_window(window, kVgaCamera, 1, WindowPairs::kOthers, options);
+  const WindowSystem newest = linearized(window, WindowPairs::kNewest, options);
+  WindowSystem system = linearized(window, WindowPairs::kOthers, options);
   WindowStep step = solve(newest, system, 0);
   if (GetParam() == WindowPairs::kNewest) system = newest;
   apply_step(step, 1, window);
   const WindowSystem before = system;
   move_by(step, system);
-  const WindowSystem there = linearize_window(window, kVgaCamera, 1, GetParam(), options);
+  const WindowSystem there = linearized(window, GetParam(), options);
   EXPECT_LT((system.gradient - there.gradient).norm(),
             0.2 * (before.gradient - there.gradient).norm());
   // Exact for a quadratic: the mean of the gradients at both ends times the step.
@@ -403,6 +428,64 @@ TEST_P(WindowCost, MovesByAStepAsItsGradientSays) {
 
 INSTANTIATE_TEST_SUITE_P(Pairs, WindowCost,
                          testing::Values(WindowPairs::kNewest, WindowPairs::kOthers));
+
+TEST(Window, AModelIsMovedWithSmallStepsAndMadeAnewAfterLargeOnes) {
+  const WindowOptions options{};
+  const PairConstants constants = pair_constants(kVgaCamera, options);
+  constexpr double kLimit = 0.3;  // [px]
+  auto window = disturbed_window(options);
+  WindowKeyframe &host = window[1], &target = window[2];
+  PairModel before;
+  update_pair(constants, host, target, kLimit, before);
+  const auto move = [&](double share) {  // of a step of 0.2 px or so
+    host.world_from_key = host.world_from_key * motion(share * 5e-4, 0, share * 4e-4, 0, 0, 0);
+    host.gain += share * 0.01;
+    target.world_from_key = target.world_from_key * motion(0, 0, 0, share * 2e-4, 0, 0);
+    target.gain -= share * 0.005;
+    target.bias += share * 0.5;
+    for (WindowPoint& point : host.points) point.inverse_depth += share * 1e-4;
+  };
+  const auto size = [](const PairSums& a, const PairSums& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.gradient.size(); ++k)
+      sum += std::abs(a.gradient[k] - b.gradient[k]);
+    return sum;
+  };
+  move(1);
+  PairModel moved = before, anew;
+  update_pair(constants, host, target, kLimit, moved);
+  update_pair(constants, host, target, kLimit, anew);
+  EXPECT_EQ(moved.sums.hessian, before.sums.hessian);
+  EXPECT_LT(size(moved.sums, anew.sums), 0.25 * size(before.sums, anew.sums));
+  EXPECT_LT(std::abs(moved.cost - anew.cost), 0.25 * std::abs(before.cost - anew.cost));
+  move(10);
+  update_pair(constants, host, target, kLimit, moved);
+  update_pair(constants, host, target, 0, anew);
+  EXPECT_EQ(moved.sums.gradient, anew.sums.gradient);
+  EXPECT_EQ(moved.coupling, anew.coupling);
+}
+
+TEST(Window, RefinesToTheSamePosesFromModelsRemembered) {
+  const WindowOptions options;
+  std::vector<WindowKeyframe> window = disturbed_window(options);
+  for (std::size_t k = 0; k < window.size(); ++k)
+    window[k].stamp = stamp_from_seconds(static_cast<double>(k));
+  std::vector<PairModel> memory;
+  (void)refine_window(window, kVgaCamera, 1, options, memory);
+  EXPECT_EQ(memory.size(), 6U);
+  // A fourth keyframe replaces the first.
+  const SE3 pose = motion(0.1, 0.05, 0.06, 0.01, 0.01, 0.02);
+  window.erase(window.begin());
+  window.push_back(plane_window({pose}, options).front());
+  window.back().stamp = stamp_from_seconds(3);
+  auto without = window;
+  std::vector<PairModel> nothing;
+  (void)refine_window(window, kVgaCamera, 1, options, memory);
+  (void)refine_window(without, kVgaCamera, 1, options, nothing);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_THAT(window[k].world_from_key, NearPose(without[k].world_from_key, 1e-4));
+  for (const PairModel& model : memory) EXPECT_GE(model.host, stamp_from_seconds(1));
+}
 
 TEST(Window, AnotherKeyframesViewIsSharedOnlyIfItLooksThere) {
   const auto window =

@@ -49,7 +49,7 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
 
   std::vector<WindowKeyframe> window;
   for (const std::size_t k : members) window.push_back(std::move(recent_[k]));
-  refine_window(window, camera, fixed, options);
+  refine_window(window, camera, fixed, options, pairs_);
   const std::size_t first = keyframes_.size() - count;
   for (std::size_t i = 0; i < members.size(); ++i) {
     recent_[members[i]] = std::move(window[i]);

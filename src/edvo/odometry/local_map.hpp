@@ -4,6 +4,7 @@
 
 #include "edvo/core/trajectory.hpp"
 #include "edvo/odometry/config.hpp"
+#include "edvo/track/window_pair.hpp"
 
 namespace edvo {
 
@@ -22,6 +23,7 @@ class LocalMap {
  private:
   Trajectory keyframes_;                // all
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
+  std::vector<PairModel> pairs_;        // as the last refinement left them
   bool refined_ = true;                 // the last of them
 };
 

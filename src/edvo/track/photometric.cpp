@@ -90,10 +90,6 @@ struct Accumulated {
   float cost;
 };
 
-[[gnu::always_inline]] inline float total(const Floats& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
 struct LossConstants {
   Loss loss;
   float parameter, inverse_sigma, gain, outside;
@@ -139,9 +135,9 @@ EDVO_CLONES void photometric_loop(const ReferenceLevel& reference, const float* 
       gradient[a] += wj * r;
     }
   }
-  for (std::size_t p = 0; p < kProducts; ++p) out.products[p] = total(products[p]);
-  for (std::size_t a = 0; a < kUnknowns; ++a) out.gradient[a] = total(gradient[a]);
-  out.cost = total(cost);
+  for (std::size_t p = 0; p < kProducts; ++p) out.products[p] = sum_of(products[p]);
+  for (std::size_t a = 0; a < kUnknowns; ++a) out.gradient[a] = sum_of(gradient[a]);
+  out.cost = sum_of(cost);
 }
 
 struct SurfaceConstants {
@@ -206,9 +202,9 @@ EDVO_CLONES void surface_loop(const SurfacePoints& surface, const cv::Mat_<float
       gradient[a] += wj * error;
     }
   }
-  for (std::size_t p = 0; p < kPoseProducts; ++p) out.products[p] = total(products[p]);
-  for (std::size_t a = 0; a < 6; ++a) out.gradient[a] = total(gradient[a]);
-  out.cost = total(cost);
+  for (std::size_t p = 0; p < kPoseProducts; ++p) out.products[p] = sum_of(products[p]);
+  for (std::size_t a = 0; a < 6; ++a) out.gradient[a] = sum_of(gradient[a]);
+  out.cost = sum_of(cost);
 }
 
 // Adds to an upper triangle what a loop has summed.

@@ -1,19 +1,67 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/selection.hpp"
 
+#include "edvo/core/lanes.hpp"
+#include "edvo/core/simd.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace edvo {
 namespace {
 
 constexpr int kBorder = 4;  // [px] room for gradients and patches
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 float gradient_magnitude(const cv::Mat_<std::uint8_t>& gray, int x, int y) {
   const float gx = 0.5F * static_cast<float>(gray(y, x + 1) - gray(y, x - 1));
   const float gy = 0.5F * static_cast<float>(gray(y + 1, x) - gray(y - 1, x));
   return std::sqrt(gx * gx + gy * gy);
+}
+
+struct DepthLimits {
+  float jump, min, max;
+  bool foreground;
+};
+
+// The nearest and the farthest depth of each column of some rows; infinity and 0 where there is
+// none. width: at least kLanes, as below.
+EDVO_CLONES void span_columns(const float* const* rows, std::size_t count, std::size_t width,
+                              float* nearest, float* farthest) {
+  for (std::size_t begin = 0; begin < width; begin += kLanes) {
+    const std::size_t x = std::min(begin, width - kLanes);
+    Floats low = Floats{} + std::numeric_limits<float>::infinity(), high{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const Floats& z = lanes(rows[i] + x);  // NaN is neither nearer nor farther
+      low = z < low ? z : low;
+      high = z > high ? z : high;
+    }
+    lanes(nearest + x) = low;
+    lanes(farthest + x) = high;
+  }
+}
+
+// Each pixel's own depth or, at a jump, the nearest one, from the spans of `count` columns around,
+// the first of which is at nearest and farthest.
+EDVO_CLONES void choose_depths(const float* nearest, const float* farthest, std::size_t count,
+                               const float* centre, std::size_t width, const DepthLimits& limits,
+                               float* depths) {
+  const Floats none = Floats{} + kNone;
+  for (std::size_t begin = 0; begin < width; begin += kLanes) {
+    const std::size_t x = std::min(begin, width - kLanes);
+    Floats low = lanes(nearest + x), high = lanes(farthest + x);
+    for (std::size_t k = 1; k < count; ++k) {
+      const Floats &near = lanes(nearest + x + k), &far = lanes(farthest + x + k);
+      low = near < low ? near : low;
+      high = far > high ? far : high;
+    }
+    const Floats at_jump = limits.foreground ? low : none;
+    const Floats chosen = high - low > limits.jump * low ? at_jump : lanes(centre + x);
+    const Ints trusted = (chosen >= limits.min) & (chosen <= limits.max);
+    lanes(depths + x) = trusted ? chosen : none;
+  }
 }
 
 }  // namespace
@@ -23,19 +71,23 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
   const auto wanted = static_cast<std::size_t>(limit);
   if (pixels.size() <= wanted) return pixels;
   const int columns = (width + cell - 1) / cell;
-  const auto cell_of = [&](const SelectedPixel& p) {
-    return static_cast<std::size_t>(p.pixel.y / cell * columns + p.pixel.x / cell);
-  };
-  std::vector<std::vector<std::size_t>> cells;  // of pixels
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const std::size_t c = cell_of(pixels[i]);
-    if (c >= cells.size()) cells.resize(c + 1);
-    cells[c].push_back(i);
+  std::vector<std::size_t> cells;  // of each pixel
+  cells.reserve(pixels.size());
+  std::size_t count = 0;
+  for (const SelectedPixel& p : pixels) {
+    cells.push_back(static_cast<std::size_t>(p.pixel.y / cell * columns + p.pixel.x / cell));
+    count = std::max(count, cells.back() + 1);
   }
+  std::vector<std::size_t> ends(count + 1);  // of each cell's members, first where they begin
+  for (const std::size_t c : cells) ++ends[c + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<std::size_t> members(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) members[ends[cells[i]]++] = i;
+  const auto size = [&](std::size_t c) { return ends[c] - (c > 0 ? ends[c - 1] : 0); };
   // So many of each cell, the strongest first, and one more of some.
   const auto taken = [&](std::size_t of_each) {
     std::size_t sum = 0;
-    for (const auto& members : cells) sum += std::min(of_each, members.size());
+    for (std::size_t c = 0; c < count; ++c) sum += std::min(of_each, size(c));
     return sum;
   };
   std::size_t of_each = 0;
@@ -44,43 +96,44 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
   const auto stronger = [&](std::size_t a, std::size_t b) {
     return std::pair(-pixels[a].gradient, a) < std::pair(-pixels[b].gradient, b);
   };
-  std::vector<std::size_t> kept;
+  std::vector<bool> kept(pixels.size());
   std::size_t seen = 0;
-  for (auto& members : cells) {
-    std::size_t count = std::min(of_each, members.size());
-    if (members.size() > of_each) {  // every k-th of these: still spread over the image
-      count += (seen + 1) * left / larger - seen * left / larger;
+  for (std::size_t c = 0; c < count; ++c) {
+    std::size_t best = std::min(of_each, size(c));
+    if (size(c) > of_each) {  // every k-th of these: still spread over the image
+      best += (seen + 1) * left / larger - seen * left / larger;
       ++seen;
     }
-    const auto last = members.begin() + static_cast<std::ptrdiff_t>(count);
-    if (count < members.size() && count > 0)
-      std::nth_element(members.begin(), last - 1, members.end(), stronger);
-    kept.insert(kept.end(), members.begin(), last);
+    const auto last = members.begin() + static_cast<std::ptrdiff_t>(ends[c]);
+    const auto first = last - static_cast<std::ptrdiff_t>(size(c));
+    const auto middle = first + static_cast<std::ptrdiff_t>(best);
+    if (best < size(c) && best > 0) std::nth_element(first, middle - 1, last, stronger);
+    for (auto member = first; member != middle; ++member) kept[*member] = true;
   }
-  std::sort(kept.begin(), kept.end());
   std::vector<SelectedPixel> result;
-  result.reserve(kept.size());
-  for (const std::size_t i : kept) result.push_back(pixels[i]);
+  result.reserve(wanted);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (kept[i]) result.push_back(pixels[i]);
   return result;
 }
 
-float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel, const SelectOptions& options) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  const float centre = depth(pixel);
-  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
-  const int r = options.jump_radius;
-  for (int y = pixel.y - r; y <= pixel.y + r; ++y)
-    for (int x = pixel.x - r; x <= pixel.x + r; ++x) {
-      const float z = depth(y, x);
-      if (std::isnan(z)) continue;
-      nearest = std::min(nearest, z);
-      farthest = std::max(farthest, z);
-    }
-  const bool jump = farthest - nearest > static_cast<float>(options.jump) * nearest;
-  const float chosen = jump ? (options.foreground ? nearest : kNone) : centre;
-  const bool trusted = chosen >= static_cast<float>(options.min_depth) &&
-                       chosen <= static_cast<float>(options.max_depth);
-  return trusted ? chosen : kNone;
+void edge_depths(const cv::Mat_<float>& depth, int y, const SelectOptions& options,
+                 std::vector<float>& depths) {
+  const auto width = static_cast<std::size_t>(depth.cols);
+  const auto radius = static_cast<std::size_t>(options.jump_radius);
+  std::vector<const float*> rows;
+  for (int i = y - options.jump_radius; i <= y + options.jump_radius; ++i) rows.push_back(depth[i]);
+  // Beyond the left and right border there is no depth.
+  std::vector<float> nearest(width + 2 * radius, std::numeric_limits<float>::infinity());
+  std::vector<float> farthest(width + 2 * radius, 0.F);
+  span_columns(rows.data(), rows.size(), width, nearest.data() + radius, farthest.data() + radius);
+  depths.resize(width);
+  choose_depths(nearest.data(), farthest.data(), 2 * radius + 1, depth[y], width,
+                {.jump = static_cast<float>(options.jump),
+                 .min = static_cast<float>(options.min_depth),
+                 .max = static_cast<float>(options.max_depth),
+                 .foreground = options.foreground},
+                depths.data());
 }
 
 std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std::uint8_t>& mask,
@@ -89,13 +142,17 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
   const int border = std::max(kBorder, options.jump_radius);
   std::vector<SelectedPixel> pixels;
+  std::vector<float> depths;
   for (int y = border; y < gray.rows - border; ++y) {
     const std::uint8_t* candidates = mask[y];
+    if (std::all_of(candidates, candidates + mask.cols, [](std::uint8_t c) { return c == 0; }))
+      continue;
+    edge_depths(frame.depth, y, options, depths);
     for (int x = border; x < gray.cols - border; ++x) {
       if (candidates[x] == 0 || valid(y, x) == 0) continue;
       const float gradient = gradient_magnitude(gray, x, y);
       if (gradient < static_cast<float>(options.min_gradient)) continue;
-      const float depth = edge_depth(frame.depth, {x, y}, options);
+      const float depth = depths[static_cast<std::size_t>(x)];
       if (!std::isnan(depth)) pixels.push_back({{x, y}, depth, gradient});
     }
   }

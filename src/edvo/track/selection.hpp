@@ -64,8 +64,9 @@ struct SelectedPixel {
 [[nodiscard]] std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int width,
                                                 int cell, int limit);
 
-// Depth of a pixel on or near an edge; NaN where none can be trusted.
-[[nodiscard]] float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel,
-                               const SelectOptions& options);
+// Depths of a row's pixels as those of pixels on or near an edge; NaN where none can be trusted,
+// and within jump_radius of the left and right border. y: that far from the others.
+void edge_depths(const cv::Mat_<float>& depth, int y, const SelectOptions& options,
+                 std::vector<float>& depths);
 
 }  // namespace edvo

@@ -31,13 +31,30 @@ double depth_scale(const std::vector<WindowKeyframe>& window, const Camera& came
   return static_cast<double>(std::clamp(mad_sigma(errors), kLeastDepthScale, 1.F));
 }
 
+// The models of a window's pairs, host by host; empty ones where there is none in the memory.
+std::vector<PairModel> recall(std::vector<PairModel>& memory,
+                              const std::vector<WindowKeyframe>& window) {
+  const std::size_t count = window.size();
+  const auto index_of = [&](const Stamp& stamp) {
+    std::size_t k = 0;
+    while (k < count && window[k].stamp != stamp) ++k;
+    return k;
+  };
+  std::vector<PairModel> models(count * count);
+  for (PairModel& model : memory) {
+    const std::size_t h = index_of(model.host), t = index_of(model.target);
+    if (h < count && t < count) models[h * count + t] = std::move(model);
+  }
+  return models;
+}
+
 }  // namespace
 
 WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_key,
                                     const std::vector<SelectedPixel>& pixels,
                                     const WindowOptions& options) {
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
-  WindowKeyframe key{.world_from_key = world_from_key};
+  WindowKeyframe key{.stamp = frame.stamp, .world_from_key = world_from_key};
   key.gray = gray;
   key.inverse_depth = cv::Mat_<float>((gray.rows + 1) / 2, (gray.cols + 1) / 2,
                                       std::numeric_limits<float>::quiet_NaN());
@@ -86,7 +103,7 @@ double shared_view(const WindowKeyframe& host, const WindowKeyframe& target, con
 }
 
 WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
-                            const WindowOptions& wanted) {
+                            const WindowOptions& wanted, std::vector<PairModel>& memory) {
   const int count = static_cast<int>(window.size());
   fixed = std::min(fixed, count - 1);
   if (count < 2) return {};
@@ -94,8 +111,11 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
   const double scale = depth_scale(window, camera, wanted);
   options.depth_noise *= scale;
   options.depth_bias *= scale;
-  WindowSystem others = linearize_window(window, camera, fixed, WindowPairs::kOthers, options);
-  WindowSystem newest = linearize_window(window, camera, fixed, WindowPairs::kNewest, options);
+  std::vector<PairModel> models = recall(memory, window);
+  WindowSystem others =
+      linearize_window(window, camera, fixed, WindowPairs::kOthers, options, models);
+  WindowSystem newest =
+      linearize_window(window, camera, fixed, WindowPairs::kNewest, options, models);
   const double first_cost = others.cost + newest.cost;
   WindowSummary summary{1, first_cost, first_cost};
   while (summary.iterations < options.iterations) {
@@ -104,7 +124,7 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
     std::vector<WindowKeyframe> moved = window;
     apply_step(step, fixed, moved);
     move_by(step, others);
-    newest = linearize_window(moved, camera, fixed, WindowPairs::kNewest, options);
+    newest = linearize_window(moved, camera, fixed, WindowPairs::kNewest, options, models);
     const double gained = summary.last_cost - (others.cost + newest.cost);
     if (!(gained > 0)) break;  // nor where it is not a number
     ++summary.iterations;
@@ -112,6 +132,8 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
     summary.last_cost -= gained;
     if (gained < options.tolerance * summary.last_cost) break;
   }
+  std::erase_if(models, [](const PairModel& model) { return model.depths.empty(); });
+  memory = std::move(models);
   return summary;
 }
 

@@ -65,6 +65,7 @@ struct WindowPoint {
 };
 
 struct WindowKeyframe {
+  Stamp stamp;
   SE3 world_from_key;
   double gain = 1, bias = 0;      // I = gain * radiance + bias
   cv::Mat_<std::uint8_t> gray;    // level 0
@@ -76,6 +77,8 @@ struct WindowKeyframe {
                                                   const std::vector<SelectedPixel>& pixels,
                                                   const WindowOptions& options);
 
+struct PairModel;  // window_pair.hpp
+
 struct WindowSummary {
   int iterations = 0;
   double first_cost = 0, last_cost = 0;
@@ -86,8 +89,9 @@ struct WindowSummary {
                                  const Camera& camera);
 
 // Lowers the joint cost over poses, brightness and inverse depths of all but the first `fixed`
-// keyframes.
+// keyframes. memory: models of pairs, those of the last refinement of most of these keyframes and
+// then of this; empty at first. Keyframes are told apart by their stamps.
 WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
-                            const WindowOptions& options);
+                            const WindowOptions& options, std::vector<PairModel>& memory);
 
 }  // namespace edvo

@@ -17,6 +17,7 @@ constexpr float kMargin = 3.F;        // [px] room that a patch needs
 constexpr float kSaturation = 6.F;    // [sigmas] what a patch out of view or not matching pays
 constexpr float kOccluded = 1.10F;    // seen depth nearer by this factor: something stands in front
 constexpr float kDepthHuber = 2.F;    // [sigmas]
+constexpr std::size_t kAhead = 4;     // points that memory is asked for before their turn
 
 static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
 
@@ -73,6 +74,23 @@ template <int k>
   out.gx = 0.5F * (upper + b * (lower - upper));
   const Floats first = at[2] - at[0], second = at[3] - at[1];
   out.gy = 0.5F * (first + b * (second - first));
+}
+
+// Asks the memory for what a point's patch will read, so that it is there when its turn comes: the
+// images of a window are larger than the caches, and a patch is somewhere in them.
+[[gnu::always_inline]] inline void fetch(const PairConstants& c, const PairGeometry& g,
+                                         const WindowPoint& point, const WindowKeyframe& target) {
+  const auto& R = g.rotation;
+  const auto& t = g.translation;
+  const float rho = static_cast<float>(point.inverse_depth);
+  const float rx = (point.u - c.cx) / c.fx, ry = (point.v - c.cy) / c.fy;
+  const float iz = 1.F / (R[6] * rx + R[7] * ry + R[8] + rho * t[2]);
+  const float u = c.fx * (R[0] * rx + R[1] * ry + R[2] + rho * t[0]) * iz + c.cx;
+  const float v = c.fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + c.cy;
+  if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
+  const int column = static_cast<int>(u), row = static_cast<int>(v);
+  __builtin_prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
+  for (int y = row - 3; y <= row + 4; ++y) __builtin_prefetch(target.gray[y] + column);
 }
 
 // Halves, quarters: sums of eight lanes on their way to one.
@@ -141,6 +159,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
   const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const WindowPoint& point = points[i];
+    if (i + kAhead < points.size()) fetch(c, g, points[i + kAhead], target);
     float* couple = coupling + i * kN;
     const float rho = static_cast<float>(point.inverse_depth);
     const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
@@ -263,6 +282,94 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
     depths[i].curvature += depth_weight * jr * jr;
   }
   return total;
+}
+
+namespace {
+
+// How far a motion between two keyframes moves points in the image, about [px].
+double pixels_moved(const SE3& motion, const WindowKeyframe& host, const PairConstants& c) {
+  double sum = 0;
+  for (const WindowPoint& point : host.points) sum += point.inverse_depth;
+  const double mean = sum / static_cast<double>(host.points.size());
+  return static_cast<double>(c.fx) *
+         std::max(rotation_angle(motion), mean * motion.translation.norm());
+}
+
+void linearize_pair(const PairConstants& c, const WindowKeyframe& host,
+                    const WindowKeyframe& target, const SE3& target_from_host, PairModel& model) {
+  model.host = host.stamp;
+  model.target = target.stamp;
+  model.linearized_at = model.target_from_host = target_from_host;
+  model.geometry = pair_geometry(host, target);
+  model.gain = target.gain / host.gain;
+  model.offset = target.bias - model.gain * host.bias;
+  model.depths.clear();
+  for (const WindowPoint& point : host.points)
+    model.depths.push_back(static_cast<float>(point.inverse_depth));
+  model.sums = {};
+  model.depth_systems.assign(host.points.size(), {});
+  model.coupling.resize(host.points.size() * kN);
+  model.cost = add_pair(c, model.geometry, host.points, target, model.sums,
+                        model.depth_systems.data(), model.coupling.data());
+}
+
+// What moves with the inverse depths: the points' own systems, by a step of the pair's unknowns,
+// too; returns the change of the cost. pull: what the inverse depths add to the pair's gradient.
+EDVO_CLONES float move_points(const std::vector<WindowPoint>& points, const float* step,
+                              const float* coupling, float* depths, DepthSystem* systems,
+                              float* pull) {
+  float cost = 0;
+  Floats sum{};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto now = static_cast<float>(points[i].inverse_depth);
+    const float moved = now - depths[i];
+    depths[i] = now;
+    const Floats& c = lanes(coupling + i * kN);
+    const float by_pair = sum_of(c * lanes(step));
+    sum += moved * c;
+    cost += moved * (systems[i].gradient + by_pair + 0.5F * systems[i].curvature * moved);
+    systems[i].gradient += by_pair + systems[i].curvature * moved;
+  }
+  lanes(pull) = sum;
+  return cost;
+}
+
+// The same second-order cost about the present state.
+void move_pair(const WindowKeyframe& host, const WindowKeyframe& target,
+               const SE3& target_from_host, PairModel& model) {
+  const double gain = target.gain / host.gain, offset = target.bias - gain * host.bias;
+  Eigen::Matrix<double, kN, 1> wide;
+  wide.head<6>() = log(target_from_host * inverse(model.target_from_host));
+  // By the brightness as it was where linearized: radiance is (I_host - bias) / gain of the host.
+  wide[6] = (gain - model.gain) / static_cast<double>(model.geometry.inverse_host_gain);
+  wide[7] = (offset - model.offset +
+             static_cast<double>(model.geometry.bias_host) * (gain - model.gain)) /
+            kBrightnessUnit;
+  model.target_from_host = target_from_host;
+  model.gain = gain;
+  model.offset = offset;
+  const Eigen::Matrix<float, kN, 1> step = wide.cast<float>();
+  Eigen::Matrix<float, kN, 1> pull;
+  const float by_points = move_points(host.points, step.data(), model.coupling.data(),
+                                      model.depths.data(), model.depth_systems.data(), pull.data());
+  const Eigen::Map<const Eigen::Matrix<float, kN, kN, Eigen::RowMajor>> H(
+      model.sums.hessian.data());
+  Eigen::Map<Eigen::Matrix<float, kN, 1>> gradient(model.sums.gradient.data());
+  const Eigen::Matrix<float, kN, 1> bend = H * step;
+  model.cost += static_cast<double>(by_points + step.dot(gradient + 0.5F * bend));
+  gradient += bend + pull;
+}
+
+}  // namespace
+
+void update_pair(const PairConstants& c, const WindowKeyframe& host, const WindowKeyframe& target,
+                 double limit, PairModel& model) {
+  const SE3 now = inverse(target.world_from_key) * host.world_from_key;
+  const bool known = !model.depths.empty();
+  if (known && pixels_moved(now * inverse(model.linearized_at), host, c) < limit)
+    move_pair(host, target, now, model);
+  else
+    linearize_pair(c, host, target, now, model);
 }
 
 void append_depth_errors(const PairConstants& c, const PairGeometry& g,

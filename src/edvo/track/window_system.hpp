@@ -8,6 +8,13 @@
 
 namespace edvo {
 
+// Of one host's points' inverse depths with those keyframes that any of them couples with.
+struct HostCoupling {
+  std::size_t points = 0;
+  std::vector<int> columns;   // first ones of the keyframes' blocks in the Hessian, ascending
+  std::vector<float> values;  // (points) x (blocks) x kKeyframeUnknowns
+};
+
 // About one state of the window: of the free keyframes' poses and brightness, and of all points'
 // inverse depths, host after host, point after point.
 struct WindowSystem {
@@ -15,7 +22,7 @@ struct WindowSystem {
   Eigen::VectorXd gradient;
   double cost = 0;
   std::vector<DepthSystem> depths;
-  std::vector<float> coupling;  // (points) x n, d^2 cost / d inverse depth d keyframes
+  std::vector<HostCoupling> couplings;  // of each host, d^2 cost / d inverse depth d keyframes
 };
 
 struct WindowStep {
@@ -27,10 +34,12 @@ struct WindowStep {
 enum class WindowPairs { kNewest, kOthers };
 
 // The first `fixed` keyframes have no unknowns but the inverse depths of their points. Priors are
-// counted with the others.
+// counted with the others. models: of all pairs, host by host, the targets of each; made to tell of
+// the present state where they are used.
 [[nodiscard]] WindowSystem linearize_window(const std::vector<WindowKeyframe>& window,
                                             const Camera& camera, int fixed, WindowPairs pairs,
-                                            const WindowOptions& options);
+                                            const WindowOptions& options,
+                                            std::vector<PairModel>& models);
 
 // Lowest point of the sum of two, the inverse depths eliminated; the diagonal grown by lambda.
 [[nodiscard]] WindowStep solve(const WindowSystem& a, const WindowSystem& b, double lambda);
