@@ -7,12 +7,10 @@
 #include "edvo/io/prefetch.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "memory.hpp"
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/rgbd/depth.hpp>
@@ -231,11 +229,7 @@ int main(int argc, char** argv) try {
   program.add_flag("--icp", with_icp, "RgbdICPOdometry, too (slow)");
   CLI11_PARSE(program, argc, argv);
 
-#if defined(__GLIBC__)  // as the edvo program does; OpenCV gains by it, too
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 128 << 20);
-  mallopt(M_TOP_PAD, 4 << 20);
-#endif
+  app::keep_freed_memory();  // as the edvo program does; OpenCV gains by it, too
   cv::setNumThreads(threads);
   const Dataset dataset = open_dataset(sequence);
   const DistortedCamera camera = choose_camera(dataset).camera;

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
+#include "memory.hpp"
 #include "usage.hpp"
 
 #include <fmt/core.h>
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
 
 #include <opencv2/core/utils/logger.hpp>
 
@@ -24,17 +22,6 @@ const std::vector<void (*)(CLI::App&)> kVerbs = {
 int fail(edvo::ErrorCode code, const std::string& message) {
   fmt::print(stderr, "edvo: {}\n", message);
   return static_cast<int>(code);
-}
-
-// The memory of one frame serves the next. By default large images go back to the system when they
-// are freed, and every page of the next image is a page fault: a sixth of a run's time where faults
-// are dear.
-void keep_freed_memory() {
-#if defined(__GLIBC__)
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);   // [bytes] smaller ones come from the heap
-  mallopt(M_TRIM_THRESHOLD, 128 << 20);  // [bytes] that may lie free at its end
-  mallopt(M_TOP_PAD, 4 << 20);           // [bytes] that it grows by
-#endif
 }
 
 }  // namespace
