@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// What the benchmarks of single stages run on: rendered, so that no data is needed.
+#pragma once
+
+#include "edvo/odometry/local_map.hpp"
+#include "edvo/synth/sequence.hpp"
+#include "edvo/track/tracker.hpp"
+
+namespace edvo::benchmarks {
+
+constexpr int kSecondFrame = 3;  // a tenth of a second after the keyframe
+
+// Two frames of the demo's room, and what the stages before each benchmark make of them.
+struct World {
+  Config config = preset(Method::kCannyCorner);
+  synth::SyntheticSequence sequence = synth::make_sequence({});
+  RgbdImage first_image = synth::make_frame(sequence, 0);
+  RgbdImage second_image = synth::make_frame(sequence, kSecondFrame);
+  Undistortion undistortion = make_undistortion(sequence.camera);
+  Frame first = make_frame(first_image, undistortion, config.frame);
+  Frame second = make_frame(second_image, undistortion, config.frame);
+  cv::Mat_<std::uint8_t> edges = edge_mask(first, undistortion, nullptr, config);
+  cv::Mat_<std::uint8_t> mask = mask_of(first);
+  std::vector<SelectedPixel> pixels =
+      select_pixels(first, mask, undistortion.valid, config.selection);
+  Reference reference = reference_with_surface();
+
+  [[nodiscard]] cv::Mat_<std::uint8_t> mask_of(const Frame& frame) const {
+    return with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
+  }
+
+  [[nodiscard]] Reference reference_with_surface() const {
+    Reference made = make_reference(first, pixels, {.softness = config.tracking.softness});
+    made.surface = make_surface(first.depth, undistortion.camera, config.tracking.surface_cell,
+                                config.tracking.depth_noise);
+    return made;
+  }
+};
+
+}  // namespace edvo::benchmarks
