@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // edvo and OpenCV's RGB-D odometries on the same frames, pass by pass in turn in one process, so
 // that whatever slows the machine down slows all of them down.
-#include "common/keep_freed_memory.hpp"
 #include "edvo/eval/evaluate.hpp"
 #include "edvo/io/camera_choice.hpp"
 #include "edvo/io/dataset.hpp"
 #include "edvo/io/prefetch.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "memory.hpp"
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -229,7 +229,7 @@ int main(int argc, char** argv) try {
   program.add_flag("--icp", with_icp, "RgbdICPOdometry, too (slow)");
   CLI11_PARSE(program, argc, argv);
 
-  keep_freed_memory();  // as the edvo program does; OpenCV gains by it, too
+  app::keep_freed_memory();  // as the edvo program does; OpenCV gains by it, too
   cv::setNumThreads(threads);
   const Dataset dataset = open_dataset(sequence);
   const DistortedCamera camera = choose_camera(dataset).camera;

@@ -4,13 +4,13 @@
 // it is counted.
 //
 // floor [COLOUR.png DEPTH.png]: decodes these (rendered ones otherwise); all else is rendered.
-#include "common/keep_freed_memory.hpp"
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 #include "edvo/edge/canny.hpp"
 #include "edvo/io/image_file.hpp"
 #include "edvo/track/turn.hpp"
 #include "measure.hpp"
+#include "memory.hpp"
 #include "world.hpp"
 
 #include <fmt/core.h>
@@ -300,7 +300,7 @@ void print_keyframe(const World& w, const Rates& rates) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_freed_memory();
+  app::keep_freed_memory();
   cv::setNumThreads(1);
   const Rates rates = measure_rates();
   const World w;

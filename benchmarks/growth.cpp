@@ -3,11 +3,11 @@
 // same rendered motion: two tables, and a plot of each in a folder.
 //
 // growth FOLDER
-#include "common/keep_freed_memory.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/plot.hpp"
 #include "edvo/synth/sequence.hpp"
 #include "measure.hpp"
+#include "memory.hpp"
 
 #include <fmt/core.h>
 
@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "growth FOLDER\n");
     return 2;
   }
-  keep_freed_memory();
+  app::keep_freed_memory();
   cv::setNumThreads(1);
   const std::filesystem::path folder = argv[1];
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "commands.hpp"
-#include "common/keep_freed_memory.hpp"
 #include "edvo/core/error.hpp"
+#include "memory.hpp"
 #include "usage.hpp"
 
 #include <fmt/core.h>
+
 #include <opencv2/core/utils/logger.hpp>
 
 namespace {
@@ -27,7 +28,7 @@ int fail(edvo::ErrorCode code, const std::string& message) {
 
 // NOLINTNEXTLINE(bugprone-exception-escape): printing the message of an error may fail, too
 int main(int argc, char** argv) {
-  edvo::keep_freed_memory();
+  keep_freed_memory();
   // What OpenCV has to say about a network arrives as an error of ours.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};

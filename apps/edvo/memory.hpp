@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// For the programs: how malloc treats images. The library leaves that to who uses it.
+// What the C library does with freed memory, for programs that handle one image after the other.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace edvo {
+namespace edvo::app {
 
 // The memory of one frame serves the next. By default large images go back to the system when they
 // are freed, and every page of the next image is a page fault: a sixth of a run's time where faults
@@ -35,4 +35,4 @@ inline void keep_freed_memory() {
 #endif
 }
 
-}  // namespace edvo
+}  // namespace edvo::app
