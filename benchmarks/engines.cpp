@@ -3,6 +3,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/edge/network.hpp"
 #include "edvo/io/model_file.hpp"
+#include "memory.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -60,6 +61,7 @@ int main(int argc, char** argv) try {
   app.add_option("--height", size.height)->check(CLI::Range(16, 10000));
   CLI11_PARSE(app, argc, argv);
 
+  edvo::app::keep_freed_memory();  // as the edvo program does
   cv::setNumThreads(threads);
   cv::Mat_<cv::Vec3b> image(size);
   cv::randu(image, 0, 255);

@@ -322,7 +322,7 @@ class Plan {
              {{DNNL_ARG_SRC, source},
               {DNNL_ARG_WEIGHTS, stored(kernel, weights, chosen.weights_desc())},
               {DNNL_ARG_BIAS, stored(bias, bias_dims, chosen.bias_desc())}},
-             chosen.dst_desc(), {input}, fused);
+             chosen.dst_desc(), {input}, fused, chosen.scratchpad_desc());
     };
     const dnnl::primitive_attr attributes = attributes_of(fused);
     if (suits_winograd(weights, window)) {
@@ -401,7 +401,7 @@ class Plan {
         {kind, source.get_desc(), other.get_desc(), source.get_desc()}, attributes_of(fused),
         engine_);
     finish(dnnl::binary(chosen), {{DNNL_ARG_SRC_0, source}, {DNNL_ARG_SRC_1, other}},
-           chosen.dst_desc(), used, fused);
+           chosen.dst_desc(), used, fused, chosen.scratchpad_desc());
   }
 
   void add_pooling(const OnnxNode& node) {
@@ -455,7 +455,7 @@ class Plan {
         {kInference, algorithm::resampling_linear, source.get_desc(), any_layout(target)},
         attributes_of(fused), engine_);
     finish(dnnl::resampling_forward(chosen), {{DNNL_ARG_SRC, source}}, chosen.dst_desc(),
-           {node.inputs[0]}, fused);
+           {node.inputs[0]}, fused, chosen.scratchpad_desc());
   }
 
   // The operators that may be done with node i, whose output has these sides: those that alone use
@@ -521,13 +521,20 @@ class Plan {
       operators.append_eltwise(1, function.kind, function.alpha, function.beta);
     dnnl::primitive_attr attributes;
     attributes.set_post_ops(operators);
+    attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);  // finish() gives the memory
     return attributes;
   }
 
   void finish(const dnnl::primitive& primitive, Arguments arguments, const memory::desc& layout,
-              const std::vector<std::string>& used, const Fused& fused) {
+              const std::vector<std::string>& used, const Fused& fused,
+              const memory::desc& scratchpad = {}) {
     const memory result = fused.added.empty() ? allocate(layout) : taken(fused.added, layout);
     arguments.emplace(DNNL_ARG_DST, result);
+    if (scratchpad.get_size() > 0) {
+      const memory scratch = allocate(scratchpad);
+      arguments.emplace(DNNL_ARG_SCRATCHPAD, scratch);
+      give_back(scratch);
+    }
     steps_.push_back({primitive, std::move(arguments)});
     for (const std::string& name : used) release(name);
     values_[fused.output] = {.memory = result, .copies = {}};
