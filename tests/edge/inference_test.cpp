@@ -98,6 +98,7 @@ std::string wide_residual() {
   };
   node("Conv", {"image", "spread"}, "wide", 1);
   node("Conv", {"wide", "first"}, "larger", 3, 2);
+  node("Relu", {"larger"}, "that nobody asks for");
   node("Relu", {"larger"}, "positive");
   node("Conv", {"positive", "second"}, "again", 3);
   node("Add", {"again", "wide"}, "sum");

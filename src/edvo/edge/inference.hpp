@@ -33,7 +33,7 @@ class Inference {
 [[nodiscard]] std::unique_ptr<Inference> make_opencv_inference(const std::string& onnx,
                                                                const std::string& output);
 // Prepared for this size; another is prepared when it comes.
-[[nodiscard]] std::unique_ptr<Inference> make_onednn_inference(const OnnxGraph& graph,
+[[nodiscard]] std::unique_ptr<Inference> make_onednn_inference(OnnxGraph graph,
                                                                const std::string& output,
                                                                cv::Size size);
 

@@ -115,11 +115,11 @@ std::unique_ptr<Inference> load(const Model& model, const std::string& output,
   const std::optional<std::string> plain = with_plain_weights(model.weights, model.source);
   const std::string& onnx = plain ? *plain : model.weights;
   try {
-    const OnnxGraph graph = onnx_graph(onnx);
+    OnnxGraph graph = onnx_graph(onnx);
     check_weights(graph);
     if (engine == InferenceEngine::kOpenCv) return make_opencv_inference(onnx, output);
     try {
-      return make_onednn_inference(graph, output, size);
+      return make_onednn_inference(std::move(graph), output, size);
     } catch (const Error&) {
       // OpenCV knows more operators, and says what is wrong if it does not know these either.
       if (engine == InferenceEngine::kOneDnn) throw;

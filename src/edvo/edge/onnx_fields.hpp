@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Field numbers of onnx.proto, as far as edvo reads it.
+// The messages of an ONNX file: field numbers of onnx.proto, as far as edvo reads it.
 #pragma once
 
-#include <cstdint>
+#include "edvo/edge/protobuf.hpp"
 
-namespace edvo::onnx_field {
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace edvo {
+
+// In their order. Throws Error(kModel) where the message is damaged or ends too early.
+[[nodiscard]] std::vector<protobuf::Field> onnx_fields(std::string_view message);
+
+[[noreturn]] void throw_not_onnx();
+
+namespace onnx_field {
 
 inline constexpr std::uint64_t kModelGraph = 7;
 inline constexpr std::uint64_t kGraphNode = 1, kGraphInitializer = 5, kGraphInput = 11,
@@ -14,4 +25,5 @@ inline constexpr std::uint64_t kAttributeName = 1, kAttributeInteger = 3, kAttri
                                kAttributeTensor = 5, kAttributeIntegers = 8;
 inline constexpr std::uint64_t kValueName = 1;
 
-}  // namespace edvo::onnx_field
+}  // namespace onnx_field
+}  // namespace edvo

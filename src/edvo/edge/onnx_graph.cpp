@@ -6,7 +6,6 @@
 #include "edvo/edge/protobuf.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -17,32 +16,26 @@ using protobuf::Field;
 using protobuf::WireType;
 using namespace onnx_field;
 
-std::vector<Field> fields_of(std::string_view message) {
-  auto fields = protobuf::fields_of(message);
-  if (!fields) throw Error(ErrorCode::kModel, "not an ONNX file, or a truncated one");
-  return std::move(*fields);
-}
-
 std::string_view graph_of(std::string_view onnx) {
   std::optional<std::string_view> graph;
-  for (const Field& field : fields_of(onnx))
+  for (const Field& field : onnx_fields(onnx))
     if (field.number == kModelGraph && field.type == WireType::kBytes && !graph)
       graph = field.content;
-  if (!graph) throw Error(ErrorCode::kModel, "not an ONNX file, or a truncated one");
+  if (!graph) throw_not_onnx();
   return *graph;
 }
 
 std::string value_name(std::string_view value) {
-  for (const Field& field : fields_of(value))
+  for (const Field& field : onnx_fields(value))
     if (field.number == kValueName) return std::string(field.content);
-  throw Error(ErrorCode::kModel, "not an ONNX file, or a truncated one");
+  throw_not_onnx();
 }
 
 // The fields of this number of a node's attribute.
 std::vector<Field> attribute(const OnnxNode& node, std::string_view name, std::uint64_t number) {
   const auto found = node.attributes.find(name);
   if (found == node.attributes.end()) return {};
-  std::vector<Field> fields = fields_of(found->second);
+  std::vector<Field> fields = onnx_fields(found->second);
   std::erase_if(fields, [number](const Field& field) { return field.number != number; });
   return fields;
 }
@@ -51,12 +44,12 @@ std::vector<Field> attribute(const OnnxNode& node, std::string_view name, std::u
 
 OnnxNode onnx_node(std::string_view content) {
   OnnxNode node{.type = {}, .inputs = {}, .outputs = {}, .attributes = {}};
-  for (const Field& field : fields_of(content)) {
+  for (const Field& field : onnx_fields(content)) {
     if (field.number == kNodeType) node.type = field.content;
     if (field.number == kNodeInput) node.inputs.emplace_back(field.content);
     if (field.number == kNodeOutput) node.outputs.emplace_back(field.content);
     if (field.number != kNodeAttribute) continue;
-    for (const Field& part : fields_of(field.content))
+    for (const Field& part : onnx_fields(field.content))
       if (part.number == kAttributeName) node.attributes[std::string(part.content)] = field.content;
   }
   return node;
@@ -65,11 +58,10 @@ OnnxNode onnx_node(std::string_view content) {
 OnnxGraph onnx_graph(std::string_view onnx) {
   OnnxGraph graph;
   std::vector<std::string> inputs;
-  for (const Field& field : fields_of(graph_of(onnx))) {
+  for (const Field& field : onnx_fields(graph_of(onnx))) {
     if (field.number == kGraphInitializer)
       graph.constants[onnx_tensor_name(field.content)] = onnx_tensor(field.content);
     if (field.number == kGraphInput) inputs.push_back(value_name(field.content));
-    if (field.number == kGraphOutput) graph.outputs.push_back(value_name(field.content));
     if (field.number != kGraphNode) continue;
     OnnxNode node = onnx_node(field.content);
     auto value = node.type == "Constant" ? tensor(node, "value") : std::nullopt;
@@ -79,18 +71,22 @@ OnnxGraph onnx_graph(std::string_view onnx) {
       graph.nodes.push_back(std::move(node));
   }
   std::erase_if(inputs, [&](const std::string& name) { return graph.constants.contains(name); });
+  graph.image = only_image(inputs);
+  return graph;
+}
+
+std::string only_image(const std::vector<std::string>& inputs) {
   if (inputs.size() != 1)
     throw Error(ErrorCode::kModel, fmt::format("it has {} inputs ({}); one, the image, is expected",
                                                inputs.size(), fmt::join(inputs, ", ")));
-  graph.image = inputs.front();
-  return graph;
+  return inputs.front();
 }
 
 std::vector<std::string> onnx_outputs(std::string_view onnx) {
   std::vector<std::string> names;
-  for (const Field& field : fields_of(graph_of(onnx)))
+  for (const Field& field : onnx_fields(graph_of(onnx)))
     if (field.number == kGraphOutput) names.push_back(value_name(field.content));
-  if (names.empty()) throw Error(ErrorCode::kModel, "not an ONNX file, or a truncated one");
+  if (names.empty()) throw_not_onnx();
   return names;
 }
 

@@ -23,13 +23,15 @@ struct OnnxNode {
 struct OnnxGraph {
   std::vector<OnnxNode> nodes;  // every one after those whose outputs it uses; without Constant
   std::map<std::string, OnnxTensor, std::less<>> constants;
-  std::string image;                 // the one input that is no constant
-  std::vector<std::string> outputs;  // in the order of the file
+  std::string image;  // the one input that is no constant
 };
 
 // All throw Error(kModel) naming what is damaged, not the file.
 [[nodiscard]] OnnxNode onnx_node(std::string_view node);
 [[nodiscard]] OnnxGraph onnx_graph(std::string_view onnx);
+
+// The image among a graph's inputs that are no constants: the only one.
+[[nodiscard]] std::string only_image(const std::vector<std::string>& inputs);
 
 // The outputs alone, in the order of the file: OpenCV lists them by the alphabet.
 [[nodiscard]] std::vector<std::string> onnx_outputs(std::string_view onnx);

@@ -24,12 +24,6 @@ using namespace onnx_field;
   throw Error(ErrorCode::kModel, reason);
 }
 
-std::vector<Field> fields_of(std::string_view message) {
-  auto fields = protobuf::fields_of(message);
-  if (!fields) fail("not an ONNX file, or a truncated one");
-  return std::move(*fields);
-}
-
 Quantization quantization_of(const OnnxNode& node) {
   Quantization quantization;
   quantization.axis = integer(node, "axis").value_or(quantization.axis);
@@ -40,7 +34,7 @@ Quantization quantization_of(const OnnxNode& node) {
 // What is known of a graph before it runs.
 class Folding {
  public:
-  explicit Folding(std::string_view graph) : fields_(fields_of(graph)) {
+  explicit Folding(std::string_view graph) : fields_(onnx_fields(graph)) {
     for (const Field& field : fields_) {
       if (field.number == kGraphInitializer) {
         // OpenCV believes the shapes and would read beyond the data.
@@ -48,7 +42,7 @@ class Folding {
         stored_[onnx_tensor_name(field.content)] = field.content;
       }
       if (field.number != kGraphOutput && field.number != kGraphInput) continue;
-      for (const Field& value : fields_of(field.content))
+      for (const Field& value : onnx_fields(field.content))
         if (value.number == kValueName)
           (field.number == kGraphOutput ? outputs_ : inputs_).emplace(value.content);
     }
@@ -78,7 +72,7 @@ class Folding {
     graph.reserve(size());  // large: not to be copied more often than it must
     for (const std::string_view node : kept_) {
       std::string content;
-      for (const Field& field : fields_of(node)) {
+      for (const Field& field : onnx_fields(node)) {
         if (field.number != kNodeInput) {
           content += field.encoded;
           continue;
@@ -108,9 +102,7 @@ class Folding {
     std::set<std::string, std::less<>> given(inputs_);
     for (const std::string& input : inputs_)
       if (!stored_.contains(input)) images.push_back(input);
-    if (images.size() != 1)
-      fail(fmt::format("it has {} inputs ({}); one, the image, is expected", images.size(),
-                       fmt::join(images, ", ")));
+    (void)only_image(images);
     for (const auto& [name, content] : stored_) given.insert(name);
     for (const OnnxNode& node : nodes) {
       for (const std::string& input : node.inputs)
@@ -203,7 +195,7 @@ class Folding {
 
 std::optional<std::string> folded(std::string_view onnx) {
   std::string model;
-  for (const Field& field : fields_of(onnx)) {
+  for (const Field& field : onnx_fields(onnx)) {
     if (field.number != kModelGraph) {
       model += field.encoded;
       continue;
