@@ -2,6 +2,7 @@
 // Edge networks through both engines in turn, in one process: a busy machine slows both down alike.
 #include "edvo/core/error.hpp"
 #include "edvo/edge/network.hpp"
+#include "edvo/eval/statistics.hpp"
 #include "edvo/io/model_file.hpp"
 #include "memory.hpp"
 
@@ -42,11 +43,6 @@ Entry entry_of(const std::string& model, edvo::InferenceEngine engine, cv::Size 
   return entry;
 }
 
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -84,8 +80,8 @@ int main(int argc, char** argv) try {
              "ratio");
   for (const Entry& entry : entries)
     fmt::print("{:30} {:12.0f} {:12.1f} {:12.1f} {:10.2f}\n", entry.name, entry.prepared,
-               median(entry.forward), *std::ranges::min_element(entry.forward),
-               median(entry.forward) / median(entries.front().forward));
+               edvo::median(entry.forward), *std::ranges::min_element(entry.forward),
+               edvo::median(entry.forward) / edvo::median(entries.front().forward));
 } catch (const std::exception& error) {
   fmt::print(stderr, "engines: {}\n", error.what());
   return 1;

@@ -7,6 +7,7 @@
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 #include "edvo/edge/canny.hpp"
+#include "edvo/eval/statistics.hpp"
 #include "edvo/io/image_file.hpp"
 #include "edvo/track/turn.hpp"
 #include "measure.hpp"
@@ -57,7 +58,7 @@ double seconds_of(Call&& call) {
     times.push_back(spent / calls);
     sum += spent;
   }
-  return benchmarks::median(times);
+  return median(times);
 }
 
 // Multiplications and additions of floats, as many at a time as the machine can.

@@ -3,6 +3,7 @@
 // same rendered motion: two tables, and a plot of each in a folder.
 //
 // growth FOLDER
+#include "edvo/eval/statistics.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/plot.hpp"
 #include "edvo/synth/sequence.hpp"
@@ -21,7 +22,6 @@ namespace {
 
 using namespace edvo;
 using benchmarks::cpu_seconds;
-using benchmarks::median;
 
 constexpr int kFrames = 150;  // enough for a full window of keyframes
 

@@ -2,9 +2,7 @@
 // CPU time, so that a busy machine lengthens nothing.
 #pragma once
 
-#include <algorithm>
 #include <ctime>
-#include <vector>
 
 namespace edvo::benchmarks {
 
@@ -13,14 +11,6 @@ namespace edvo::benchmarks {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// The upper one of two; 0 of nothing.
-[[nodiscard]] inline double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 template <typename T>

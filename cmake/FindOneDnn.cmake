@@ -5,12 +5,9 @@ find_path(OneDnn_INCLUDE_DIR oneapi/dnnl/dnnl_version.h)
 find_library(OneDnn_LIBRARY dnnl)
 mark_as_advanced(OneDnn_INCLUDE_DIR OneDnn_LIBRARY)
 
-if(OneDnn_INCLUDE_DIR)
-  file(STRINGS ${OneDnn_INCLUDE_DIR}/oneapi/dnnl/dnnl_version.h lines
-       REGEX "#define DNNL_VERSION_(MAJOR|MINOR|PATCH)")
-  string(REGEX REPLACE "[^0-9;]" "" lines "${lines}")
-  string(REPLACE ";" "." OneDnn_VERSION "${lines}")
-endif()
+include(${CMAKE_CURRENT_LIST_DIR}/read_version.cmake)
+edvo_read_version(OneDnn_VERSION ${OneDnn_INCLUDE_DIR}/oneapi/dnnl/dnnl_version.h
+                  "MAJOR|MINOR|PATCH")
 
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(OneDnn REQUIRED_VARS OneDnn_INCLUDE_DIR OneDnn_LIBRARY

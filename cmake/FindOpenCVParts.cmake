@@ -6,12 +6,9 @@
 find_path(OpenCVParts_INCLUDE_DIR opencv2/core/version.hpp PATH_SUFFIXES opencv4)
 mark_as_advanced(OpenCVParts_INCLUDE_DIR)
 
-if(OpenCVParts_INCLUDE_DIR)
-  file(STRINGS ${OpenCVParts_INCLUDE_DIR}/opencv2/core/version.hpp lines
-       REGEX "#define CV_VERSION_(MAJOR|MINOR|REVISION)")
-  string(REGEX REPLACE "[^0-9;]" "" lines "${lines}")
-  string(REPLACE ";" "." OpenCVParts_VERSION "${lines}")
-endif()
+include(${CMAKE_CURRENT_LIST_DIR}/read_version.cmake)
+edvo_read_version(OpenCVParts_VERSION ${OpenCVParts_INCLUDE_DIR}/opencv2/core/version.hpp
+                  "MAJOR|MINOR|REVISION")
 
 set(libraries "")
 foreach(part IN LISTS OpenCVParts_FIND_COMPONENTS)

@@ -20,6 +20,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/edvoConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/edvoConfigVersion.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindOneDnn.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVParts.cmake
+              ${PROJECT_SOURCE_DIR}/cmake/read_version.cmake
         DESTINATION ${edvo_cmake_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
         DESTINATION ${CMAKE_INSTALL_DOCDIR})
