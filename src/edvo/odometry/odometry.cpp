@@ -3,11 +3,11 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/core/inplace_vector.hpp"
+#include "edvo/odometry/coarse_motion.hpp"
 #include "edvo/odometry/local_map.hpp"
 #include "edvo/track/edge_distance.hpp"
 #include "edvo/track/selection.hpp"
 #include "edvo/track/surface.hpp"
-#include "edvo/track/turn.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -17,13 +17,11 @@
 namespace edvo {
 namespace {
 
-constexpr double kCoarseStep = 0.05;    // [px of the level] ends a level: only a guess is wanted
 constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
 constexpr double kInDoubt = 1.25;       // the same of a second look while two motions are in view
 constexpr double kSecondTukey = 1.5;    // [sigmas]
 constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: not the same motion
 constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
-constexpr int kTurnColumns = 40;        // [px] an image to be correlated needs
 constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 
@@ -52,51 +50,7 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-TrackOptions coarse_tracking(const Config& config) {
-  TrackOptions options = config.tracking;
-  options.finest_level = config.coarse.finest_level;
-  options.coarsest_level = config.coarse.coarsest_level;
-  options.step_tolerance = kCoarseStep;
-  options.edge_distance = 0;  // its points are a grid's, not edges'
-  return options;
-}
-
-// The coarsest whose image is large enough to correlate.
-std::size_t turn_level(const Frame& frame) {
-  std::size_t level = 0;
-  while (level + 1 < frame.levels.size() && frame.levels[level + 1].gray.cols >= kTurnColumns)
-    ++level;
-  return level;
-}
-
-// An image whole but coarse, to align the next one to.
-struct CoarseImage {
-  std::vector<SelectedPixel> pixels;
-  Reference reference;
-};
-
-// recycled: of no more use, its memory serves the new one.
-CoarseImage make_coarse_image(const Frame& frame, const Config& config, CoarseImage recycled) {
-  CoarseImage image = std::move(recycled);
-  image.pixels = grid_pixels(frame, config.coarse.step, config.selection, std::move(image.pixels));
-  image.reference =
-      make_reference(frame, image.pixels,
-                     {.softness = config.tracking.softness,
-                      .finest_level = std::min(config.coarse.finest_level,
-                                               static_cast<int>(frame.levels.size()) - 1),
-                      .coarsest_level = config.coarse.coarsest_level},
-                     std::move(image.reference));
-  SurfacePoints& surface = image.reference.surface;
-  if (config.tracking.geometric > 0)
-    surface = make_surface(frame.depth, frame.levels.front().camera, 2 * config.coarse.step,
-                           config.tracking.depth_noise, std::move(surface));
-  return image;
-}
-
-// Motions from the last frame or alignments to the keyframe, the likeliest first.
-constexpr std::size_t kMostGuesses = 3;
-using Motions = InplaceVector<SE3, kMostGuesses>;
-using Guesses = InplaceVector<Alignment, kMostGuesses>;
+using Guesses = InplaceVector<Alignment, kMostMotions>;  // to the keyframe, the likeliest first
 
 std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames_since_keyframe,
                                            const KeyframeOptions& options) {
@@ -117,8 +71,7 @@ struct Odometry::State {
   std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
   LocalMap map;                           // keyframes and their joint refinement
   Reference reference;                    // of the last keyframe
-  CoarseImage last_image;                 // the last frame
-  PhaseCorrelation correlation;           // of it and the next one
+  CoarseMotion coarse;                    // since the last frame
   TrackScratch scratch;
   Alignment alignment;            // of the last frame to the last keyframe
   SE3 last_from_cur;              // motion of the last two frames
@@ -133,8 +86,6 @@ struct Odometry::State {
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
   Alignment moved_by(const SE3& cur_from_last) const;
-  SE3 turn_to(const Frame& frame);
-  Motions likely_motions(const Frame& frame);
   Guesses guesses(const Frame& frame);
   TrackResult align(const Frame& frame, const Guesses& guesses);
   TrackResult second_look(const Frame& frame, const TrackResult& first);
@@ -170,39 +121,14 @@ Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
   return moved;
 }
 
-// Since the last frame; to be asked of every frame, once.
-SE3 Odometry::State::turn_to(const Frame& frame) {
-  const Level& level = frame.levels[turn_level(frame)];
-  return turn_of(correlation.shift_to(level.gray), level.camera);
-}
-
-// How the camera could have moved, cur_from_last: as whole coarse images tell (started from the
-// motion going on, from standing still or from a turn), as before, or not at all.
-Motions Odometry::State::likely_motions(const Frame& frame) {
-  const SE3 going_on = inverse(last_from_cur);
-  if (!config.coarse.enabled) return {going_on, SE3{}};
-  const Reference& last = last_image.reference;
-  const TrackOptions options = coarse_tracking(config);
-  Alignment start{.cur_from_ref = going_on};
-  double least = coarse_cost(last, frame, start, options, scratch);
-  for (const SE3& other : {SE3{}, turn_to(frame)}) {
-    const Alignment guess{.cur_from_ref = other};
-    const double cost = coarse_cost(last, frame, guess, options, scratch);
-    if (cost < least) {
-      start = guess;
-      least = cost;
-    }
-  }
-  const TrackResult coarse = track(last, frame, start, options, scratch);
-  if (coarse.status != TrackStatus::kTracked) return {going_on, SE3{}};
-  return {coarse.alignment.cur_from_ref, going_on, SE3{}};
-}
-
 // Where the frame could be, by its cost to the keyframe.
 Guesses Odometry::State::guesses(const Frame& frame) {
+  const SE3 going_on = inverse(last_from_cur);
+  const Motions motions = config.coarse.enabled ? coarse.likely(frame, going_on, config, scratch)
+                                                : Motions{going_on, SE3{}};
   Guesses all;
-  InplaceVector<std::pair<double, std::size_t>, kMostGuesses> costs;  // and whose
-  for (const SE3& motion : likely_motions(frame)) {
+  InplaceVector<std::pair<double, std::size_t>, kMostMotions> costs;  // and whose
+  for (const SE3& motion : motions) {
     all.push_back(moved_by(motion));
     costs.push_back(
         {coarse_cost(reference, frame, all.back(), config.tracking, scratch), costs.size()});
@@ -377,14 +303,11 @@ FrameReport Odometry::process_prepared(const PreparedImage& image) {
   Stopwatch total;
   FrameReport report{.index = s.images++, .stamp = frame.stamp};
   report.milliseconds.frame = image.milliseconds;
-  if (s.map.keyframes().empty()) {
-    if (s.config.coarse.enabled) (void)s.turn_to(frame);
+  if (s.map.keyframes().empty())
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
-  } else {
+  else
     s.follow(frame, report);
-  }
-  if (s.config.coarse.enabled)
-    s.last_image = make_coarse_image(frame, s.config, std::move(s.last_image));
+  if (s.config.coarse.enabled) s.coarse.remember(frame, s.config);
   report.milliseconds.total = image.milliseconds + total.lap();
   return report;
 }
