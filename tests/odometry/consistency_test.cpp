@@ -38,6 +38,7 @@ struct Setting {
   SceneName scene = SceneName::kOffice;
   PathName path = PathName::kDemo;
   int seed = 0;
+  double lowest = 0.3;  // of NEES / 6
 };
 
 // NEES / 6 over frames 1 to 8 after each of 8 keyframes, all with noise.
@@ -81,21 +82,21 @@ class Consistency : public testing::TestWithParam<Setting> {};
 TEST_P(Consistency, ErrorsAreAsLargeAsTheInformationSays) {
   const double ratio = normalized_error(GetParam());
   RecordProperty("nees_per_degree_of_freedom", std::to_string(ratio));
-  EXPECT_GE(ratio, 0.2);
+  EXPECT_GE(ratio, GetParam().lowest);
   EXPECT_LE(ratio, 3.0);
 }
 
 // kSharedError was chosen on the first three; the others have confirmed it.
-INSTANTIATE_TEST_SUITE_P(Settings, Consistency,
-                         testing::Values(Setting{SceneName::kOffice},
-                                         Setting{SceneName::kLivingRoom}, Setting{SceneName::kDesk},
-                                         Setting{SceneName::kOffice, PathName::kXyz, 5},
-                                         Setting{SceneName::kLivingRoom, PathName::kOrbit, 9},
-                                         Setting{SceneName::kDesk, PathName::kPureRotation, 7}),
-                         [](const auto& test) {
-                           return fmt::format("{}_path{}_seed{}", name_of(test.param.scene),
-                                              static_cast<int>(test.param.path), test.param.seed);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Settings, Consistency,
+    testing::Values(Setting{SceneName::kOffice}, Setting{SceneName::kLivingRoom},
+                    Setting{SceneName::kDesk}, Setting{SceneName::kOffice, PathName::kXyz, 5},
+                    Setting{SceneName::kLivingRoom, PathName::kOrbit, 9},
+                    Setting{SceneName::kDesk, PathName::kPureRotation, 7, 0.2}),
+    [](const auto& test) {
+      return fmt::format("{}_path{}_seed{}", name_of(test.param.scene),
+                         static_cast<int>(test.param.path), test.param.seed);
+    });
 
 }  // namespace
 }  // namespace edvo

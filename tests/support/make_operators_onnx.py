@@ -6,13 +6,10 @@ Needs Debian's python3-onnx, only to make the file again: /usr/bin/python3 make_
 Kernels that are not square or stand off the middle, groups, dilations, values that several nodes use,
 an output that nobody asks for. Outputs: "edges" (probabilities, H x W), "aside".
 """
-import sys
-
 import numpy as np
-import onnx
-from onnx import TensorProto, helper, numpy_helper
+from onnx import helper, numpy_helper
 
-STRIDE = 4  # [px]
+import onnx_writer
 
 
 class Graph:
@@ -74,19 +71,10 @@ def network():
 
 def main(path):
     g = network()
-    def value(name, channels, *sides):
-        return helper.make_tensor_value_info(name, TensorProto.FLOAT, [1, channels, *sides])
-    graph = helper.make_graph(g.nodes, "operators", [value("bgr", 3, "height", "width")],
-                              [value("edges", 1, "height", "width"), value("aside", 6, "h", "w")],
-                              g.weights)
-    model = helper.make_model(graph, producer_name="edvo",
-                              opset_imports=[helper.make_opsetid("", 11)])
-    model.ir_version = 7
-    onnx.checker.check_model(model)
-    onnx.save(model, path)
+    onnx_writer.save(path, "operators", g.nodes, [onnx_writer.value("bgr", 3, "height", "width")],
+                     [onnx_writer.value("edges", 1, "height", "width"),
+                      onnx_writer.value("aside", 6, "h", "w")], g.weights)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    main(sys.argv[1])
+    main(onnx_writer.path_argument(__doc__))

@@ -7,11 +7,10 @@ It is the gradient of a Gaussian, written as layers:
     gray = luma . bgr;  (gx, gy) = dG * gray;  logit = kSlope (|g| - kThreshold)
 Outputs: "edges", H x W, before a sigmoid; "coarse", the same at half the size (for tests of shape).
 """
-import sys
-
 import numpy as np
-import onnx
-from onnx import TensorProto, helper, numpy_helper
+from onnx import helper, numpy_helper
+
+import onnx_writer
 
 LUMA_OF_BGR = (0.114, 0.587, 0.299)
 SIGMA = 1.0  # [px]
@@ -59,18 +58,11 @@ def main(path):
         convolution(["magnitude", "slope", "offset"], "edges"),
         helper.make_node("AveragePool", ["edges"], ["coarse"], kernel_shape=[2, 2], strides=[2, 2]),
     ]
-    image = helper.make_tensor_value_info("bgr", TensorProto.FLOAT, [1, 3, "height", "width"])
-    edges = helper.make_tensor_value_info("edges", TensorProto.FLOAT, [1, 1, "height", "width"])
-    coarse = helper.make_tensor_value_info("coarse", TensorProto.FLOAT, [1, 1, "half_h", "half_w"])
-    graph = helper.make_graph(nodes, "tiny_edges", [image], [edges, coarse], weights)
-    model = helper.make_model(graph, producer_name="edvo",
-                              opset_imports=[helper.make_opsetid("", 11)])
-    model.ir_version = 7
-    onnx.checker.check_model(model)
-    onnx.save(model, path)
+    outputs = [onnx_writer.value("edges", 1, "height", "width"),
+               onnx_writer.value("coarse", 1, "half_h", "half_w")]
+    onnx_writer.save(path, "tiny_edges", nodes, [onnx_writer.value("bgr", 3, "height", "width")],
+                     outputs, weights)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    main(sys.argv[1])
+    main(onnx_writer.path_argument(__doc__))

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Frames of a textured wall, pixels of them and small motions, for tests of tracking.
+#pragma once
+
+#include "edvo/frame/frame.hpp"
+#include "edvo/track/selection.hpp"
+#include "support/synthetic_plane.hpp"
+
+#include <vector>
+
+namespace edvo::test {
+
+inline constexpr SyntheticPlane kPlane{.distance = 2.0};
+
+[[nodiscard]] inline Frame plane_frame(const SE3& world_from_camera) {
+  return make_frame(render_plane(kPlane, kVgaCamera, world_from_camera),
+                    make_undistortion({kVgaCamera, {}}), {});
+}
+
+[[nodiscard]] inline std::vector<SelectedPixel> grid_pixels(const Frame& frame, int stride) {
+  std::vector<SelectedPixel> pixels;
+  for (int y = 12; y < frame.depth.rows - 12; y += stride)
+    for (int x = 12; x < frame.depth.cols - 12; x += stride)
+      pixels.push_back({{x, y}, frame.depth(y, x), 1.F});
+  return pixels;
+}
+
+[[nodiscard]] inline SE3 motion(double x, double y, double z, double a, double b, double c) {
+  Vector6d xi;
+  xi << x, y, z, a, b, c;
+  return exp(xi);
+}
+
+}  // namespace edvo::test
