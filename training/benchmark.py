@@ -52,23 +52,6 @@ def suppress(strength):
     return out
 
 
-def crests(strength):
-    """What edvo itself keeps of a strength: its local maxima across the ridge, after a little blur."""
-    strength = np.asarray(strength, np.float32)
-    s = cv2.GaussianBlur(strength, (0, 0), 1.0, borderType=cv2.BORDER_REPLICATE)
-    second = lambda kernel: cv2.filter2D(s, cv2.CV_32F, np.array(kernel, np.float32),
-                                         borderType=cv2.BORDER_REPLICATE)
-    xx, yy = second([[1, -2, 1]]), second([[1], [-2], [1]])
-    xy = second([[0.25, 0, -0.25], [0, 0, 0], [-0.25, 0, 0.25]])
-    angle = 0.5 * np.arctan2(-2 * xy, yy - xx)  # of the direction that bends down most
-    nx, ny = np.cos(angle), np.sin(angle)
-    forward = np.where(2 * nx + ny >= 0, 1, -1).astype(np.float32)
-    rows, columns = np.mgrid[:s.shape[0], :s.shape[1]].astype(np.float32)
-    beside = lambda sign: cv2.remap(s, columns + sign * forward * nx, rows + sign * forward * ny,
-                                    cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.where((s > beside(1) - 1e-6) & (s > beside(-1) + 1e-6), strength, 0)
-
-
 @lru_cache(1)
 def thinning_tables():
     """For each of the 256 neighbourhoods, whether the first or second pass may delete the pixel."""

@@ -3,7 +3,8 @@
 
 Edges of one image, lifted by the true depth, moved by the true poses and projected, are looked for
 among the edges of the image some frames later. Every detector keeps the same share of the pixels of
-each image: networks their strongest crests, Canny by its threshold. Pixels at jumps of depth, without
+each image by a threshold on the gradient: as it is for Canny, times the square root of the strength for
+networks, as edvo does it. Pixels at jumps of depth, without
 depth, hidden in the other view or outside of it are left out.
 
 python3 training/repeatability.py SEQUENCE canny models/edvo_edges.toml [--density 0.04]
@@ -15,7 +16,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-import benchmark
 import detectors
 
 # fx, fy, cx, cy, and the distortion k1, k2, p1, p2, k3
@@ -113,19 +113,30 @@ def project(points, depth, camera, to_from):
     return np.stack([moved[:, 0] / z * fx + cx, moved[:, 1] / z * fy + cy], 1), z
 
 
+def weighted_canny(bgr, strength, influence=0.5, sigma=0.7, low_ratio=0.4):
+    """threshold of 0..1 -> edges, as network_edges of edvo finds them."""
+    gray = cv2.GaussianBlur(cv2.cvtColor(bgr, cv2.COLOR_BGR2GRAY), (0, 0), sigma)
+    weights = 8 * cv2.dilate(strength, np.ones((3, 3), np.uint8)) ** influence
+    gx, gy = (np.rint(cv2.Sobel(gray, cv2.CV_16S, *axis) * weights).astype(np.int16)
+              for axis in ((1, 0), (0, 1)))
+    highest = 8 * 800
+    return lambda threshold: cv2.Canny(gx, gy, low_ratio * threshold * highest,
+                                       threshold * highest) > 0
+
+
 def densest(detector, bgr, density):
     """Edges that cover this share of the image."""
     wanted = density * bgr.shape[0] * bgr.shape[1]
     if isinstance(detector, detectors.Canny):
-        low, high = 0.0, 1.0
-        for _ in range(10):
-            middle = (low + high) / 2
-            mask = detector.at(bgr, middle)
-            low, high = (middle, high) if np.count_nonzero(mask) > wanted else (low, middle)
-        return mask
-    crests = benchmark.crests(detector(bgr))
-    strength = np.sort(crests[crests > 0])[::-1]
-    return crests >= strength[min(int(wanted), len(strength) - 1)]
+        at = lambda threshold: detector.at(bgr, threshold)
+    else:
+        at = weighted_canny(bgr, detector(bgr))
+    low, high = 0.0, 1.0
+    for _ in range(10):
+        middle = (low + high) / 2
+        mask = at(middle)
+        low, high = (middle, high) if np.count_nonzero(mask) > wanted else (low, middle)
+    return mask
 
 
 def found_again(edges, depth, other_edges, other_depth, camera, to_from):

@@ -97,26 +97,26 @@ Config resolve(const Arguments& arguments) {
   return config;
 }
 
-// Without a network: its strength is 0 or 1.
-cv::Mat_<std::uint8_t> canny_image(const cv::Mat_<cv::Vec3b>& bgr, const CannyOptions& options) {
+cv::Mat_<std::uint8_t> gray_of(const cv::Mat_<cv::Vec3b>& bgr) {
   cv::Mat gray;
   cv::cvtColor(bgr, gray, cv::COLOR_BGR2GRAY);
-  return canny_edges(gray, options);
+  return gray;
 }
 
 // The mask that odometry uses, or the strength, in 255 steps or as it is.
 void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const EdgeDetector* network,
                  const Config& config, const Arguments& arguments) {
   if (network == nullptr) {
-    const cv::Mat_<std::uint8_t> edges = canny_image(bgr, config.canny);
+    const cv::Mat_<std::uint8_t> edges = canny_edges(gray_of(bgr), config.canny);
     if (!arguments.raw) return write_png(file, edges);
-    cv::Mat_<float> ones;
+    cv::Mat_<float> ones;  // without a network the strength is 0 or 1
     edges.convertTo(ones, CV_32F, 1 / 255.);
     return write_npy(file, ones);
   }
   const cv::Mat_<float> strength = network->detect(bgr);
   if (arguments.raw) return write_npy(file, strength);
-  if (!arguments.strength) return write_png(file, network_edges(strength, config.network));
+  if (!arguments.strength)
+    return write_png(file, network_edges(strength, gray_of(bgr), config.network));
   cv::Mat_<std::uint8_t> levels;
   strength.convertTo(levels, CV_8U, 255);
   write_png(file, levels);

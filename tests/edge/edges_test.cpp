@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/edge/canny.hpp"
 #include "edvo/edge/corners.hpp"
+#include "edvo/edge/network.hpp"
 
 #include <gtest/gtest.h>
 #include <algorithm>
@@ -104,6 +105,52 @@ TEST(Canny, ThresholdFollowsTheContrastOfTheImage) {
   cv::rectangle(weak, {50, 30, 40, 40}, cv::Scalar(125), -1);
   EXPECT_NEAR(cv::countNonZero(canny_edges(weak, {})), cv::countNonZero(canny_edges(strong, {})),
               10);
+}
+
+TEST(Canny, LeavesItsImageAsItWas) {
+  cv::Mat_<std::uint8_t> image(120, 160, std::uint8_t{30});
+  cv::rectangle(image, {50, 30, 40, 40}, cv::Scalar(200), -1);
+  const cv::Mat before = image.clone();
+  (void)canny_edges(image, {.blur_sigma = 2});
+  EXPECT_EQ(cv::norm(image, before, cv::NORM_INF), 0);
+}
+
+// Two squares of the same contrast; the network sees the left one, a pixel outside of its outline.
+struct TwoSquares {
+  cv::Mat_<std::uint8_t> gray = cv::Mat_<std::uint8_t>(120, 160, std::uint8_t{30});
+  cv::Mat_<float> strength = cv::Mat_<float>(120, 160, 0.F);
+  cv::Rect left{0, 0, 80, 120}, right{80, 0, 80, 120};
+  TwoSquares() {
+    for (const int x : {20, 100}) cv::rectangle(gray, {x, 30, 40, 40}, cv::Scalar(200), -1);
+    cv::rectangle(strength, {19, 29, 42, 42}, cv::Scalar(1));
+  }
+};
+
+TEST(NetworkEdges, AreWhereTheNetworkSeesThemAndTheImageSteps) {
+  const TwoSquares squares;
+  const auto edges = network_edges(squares.strength, squares.gray, {});
+  EXPECT_EQ(cv::countNonZero(edges(squares.right)), 0);
+  EXPECT_NEAR(cv::countNonZero(edges(squares.left)), 4 * 40, 20);
+  cv::Mat_<std::uint8_t> outline(edges.size(), std::uint8_t{0});  // both sides of the step
+  cv::rectangle(outline, {19, 29, 42, 42}, cv::Scalar(255));
+  cv::rectangle(outline, {20, 30, 40, 40}, cv::Scalar(255));
+  EXPECT_EQ(cv::countNonZero(edges & ~outline), 0);
+}
+
+TEST(NetworkEdges, WithoutInfluenceAreCannys) {
+  const TwoSquares squares;
+  const auto edges =
+      network_edges(squares.strength, squares.gray, {.influence = 0, .blur_sigma = 1});
+  EXPECT_EQ(cv::norm(edges, canny_edges(squares.gray, {}), cv::NORM_INF), 0);
+}
+
+TEST(NetworkEdges, WeakStrengthOnANoisyWallMakesNone) {
+  cv::Mat_<std::uint8_t> wall(120, 160);
+  for (int y = 0; y < wall.rows; ++y)
+    for (int x = 0; x < wall.cols; ++x)
+      wall(y, x) = static_cast<std::uint8_t>(128 + (x * 7 + y * 13) % 3);
+  const cv::Mat_<float> strength(wall.size(), 0.03F);
+  EXPECT_EQ(cv::countNonZero(network_edges(strength, wall, {})), 0);
 }
 
 }  // namespace

@@ -24,8 +24,10 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("blur_sigma", self.blur_sigma, Range{0, 10}, "Gaussian blur before the gradient [px]");
 }
 
-// gray: H x W. Returns H x W, 255 = edge, one pixel wide.
+// gray: H x W. weights: H x W, [0..1], what the gradient is multiplied by; empty = 1. Returns H x
+// W, 255 = edge, one pixel wide.
 [[nodiscard]] cv::Mat_<std::uint8_t> canny_edges(const cv::Mat_<std::uint8_t>& gray,
-                                                 const CannyOptions& options);
+                                                 const CannyOptions& options,
+                                                 const cv::Mat_<float>& weights = {});
 
 }  // namespace edvo

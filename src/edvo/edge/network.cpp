@@ -3,26 +3,22 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/sha256.hpp"
+#include "edvo/edge/canny.hpp"
 #include "edvo/edge/inference.hpp"
 #include "edvo/edge/onnx_graph.hpp"
 #include "edvo/edge/onnx_weights.hpp"
-#include "edvo/edge/thin.hpp"
 #include "edvo/io/model_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <mutex>
 #include <opencv2/dnn/dnn.hpp>  // blobFromImage
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
 namespace {
-
-constexpr double kLowestThreshold = 0.15;  // below, a blank wall would have edges
 
 // Probabilities may leave [0..1] by rounding; more means that an activation is missing.
 constexpr double kProbabilityTolerance = 1e-3;
@@ -214,16 +210,6 @@ Model model_of(const NetworkOptions& options) {
   return options.model.empty() ? own_model() : read_model(options.model);
 }
 
-// The strength that the given share of all pixels reaches.
-double strength_exceeded_by(const cv::Mat_<float>& strength, double share) {
-  std::vector<float> ordered(strength.begin(), strength.end());
-  const auto count = static_cast<std::size_t>(share * static_cast<double>(ordered.size()));
-  if (count == 0) return std::numeric_limits<double>::infinity();
-  const auto last = ordered.begin() + static_cast<std::ptrdiff_t>(count - 1);
-  std::nth_element(ordered.begin(), last, ordered.end(), std::greater<>());
-  return static_cast<double>(*last);
-}
-
 }  // namespace
 
 std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size,
@@ -256,11 +242,17 @@ std::string fingerprint(const Model& model) {
 }
 
 cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
+                                     const cv::Mat_<std::uint8_t>& gray,
                                      const NetworkOptions& options) {
-  const double share = strength_exceeded_by(strength, options.edge_share);
-  const double threshold = std::min(options.threshold, std::max(kLowestThreshold, share));
-  return options.suppress ? thin_edges(strength, threshold)
-                          : cv::Mat_<std::uint8_t>(strength >= threshold);
+  // A network's line may lie a pixel beside the step of the image.
+  cv::Mat_<float> weights;
+  cv::dilate(strength, weights, cv::Mat::ones(3, 3, CV_8U));
+  cv::pow(weights, options.influence, weights);
+  return canny_edges(gray,
+                     {.edge_share = options.edge_share,
+                      .low_ratio = options.low_ratio,
+                      .blur_sigma = options.blur_sigma},
+                     weights);
 }
 
 }  // namespace edvo

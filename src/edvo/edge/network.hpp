@@ -17,9 +17,10 @@ struct Model;  // edvo/io/model_file.hpp
 
 struct NetworkOptions {
   std::string model;         // path of a description; empty = edvo's own network
-  double threshold = 0.5;    // [0..1]
+  double influence = 0.5;    // exponent
   double edge_share = 0.20;  // [0..1]
-  bool suppress = true;
+  double low_ratio = 0.4;    // [0..1]
+  double blur_sigma = 0.7;   // [px]
 };
 
 template <typename Self, typename Visitor>
@@ -27,13 +28,13 @@ requires std::same_as<std::remove_const_t<Self>, NetworkOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("model", self.model, Range{},
         "description file of the network (docs/models.md); empty = edvo's own");
-  visit("threshold", self.threshold, Range{0, 1},
-        "strength that makes an edge pixel in any case [0..1]");
+  visit("influence", self.influence, Range{0, 10},
+        "power of the network's strength that weighs the gradient; 0 = Canny's edges");
   visit(
-      "edge_share", self.edge_share, Range{0, 1},
-      "share of pixels that pass before thinning, if need be with less strength: under motion blur "
-      "[0..1]");
-  visit("suppress", self.suppress, Range{}, "thin edges to their strongest line, one pixel wide");
+      "edge_share", self.edge_share, Range{0.001, 1},
+      "share of pixels whose weighted gradient passes the high threshold, before thinning [0..1]");
+  visit("low_ratio", self.low_ratio, Range{0, 1}, "low threshold / high threshold [0..1]");
+  visit("blur_sigma", self.blur_sigma, Range{0, 10}, "Gaussian blur before the gradient [px]");
 }
 
 // Runs the network once on a blank image of this size, so that a model that does not fit fails here
@@ -56,8 +57,11 @@ void visit_fields(Self& self, Visitor&& visit) {
 // description says of input and output, and of the engine.
 [[nodiscard]] std::string fingerprint(const Model& model);
 
-// H x W, 255 = edge.
+// The crests of the image's gradient where the network sees edges: Canny on the gradient times the
+// strength to the power of `influence` (docs/adr/0007). strength, gray: H x W of the same image.
+// Returns H x W, 255 = edge, one pixel wide.
 [[nodiscard]] cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
+                                                   const cv::Mat_<std::uint8_t>& gray,
                                                    const NetworkOptions& options);
 
 }  // namespace edvo

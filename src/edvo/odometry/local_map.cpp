@@ -64,7 +64,7 @@ cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undisto
       return canny_edges(frame.levels.front().gray, config.canny);
     case Detector::kNetwork:
       return network_edges(network->detect(undistort_colour(undistortion, frame.bgr)),
-                           config.network);
+                           frame.levels.front().gray, config.network);
     case Detector::kNone:
       break;
   }
