@@ -119,24 +119,23 @@ def weighted_canny(bgr, strength, influence=0.5, sigma=0.7, low_ratio=0.4):
     weights = 8 * cv2.dilate(strength, np.ones((3, 3), np.uint8)) ** influence
     gx, gy = (np.rint(cv2.Sobel(gray, cv2.CV_16S, *axis) * weights).astype(np.int16)
               for axis in ((1, 0), (0, 1)))
-    highest = 8 * 800
+    highest = 8 * 2040  # of the sum of two Sobel derivatives of 8 bits
     return lambda threshold: cv2.Canny(gx, gy, low_ratio * threshold * highest,
                                        threshold * highest) > 0
 
 
 def densest(detector, bgr, density):
-    """Edges that cover this share of the image."""
+    """Edges that cover this share of the image, or less where no threshold gives it."""
     wanted = density * bgr.shape[0] * bgr.shape[1]
     if isinstance(detector, detectors.Canny):
         at = lambda threshold: detector.at(bgr, threshold)
     else:
         at = weighted_canny(bgr, detector(bgr))
     low, high = 0.0, 1.0
-    for _ in range(10):
+    for _ in range(12):
         middle = (low + high) / 2
-        mask = at(middle)
-        low, high = (middle, high) if np.count_nonzero(mask) > wanted else (low, middle)
-    return mask
+        low, high = (middle, high) if np.count_nonzero(at(middle)) > wanted else (low, middle)
+    return at(high)
 
 
 def found_again(edges, depth, other_edges, other_depth, camera, to_from):

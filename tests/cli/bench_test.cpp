@@ -169,7 +169,8 @@ TEST_F(BenchCommand, SaysThatTrackingWasLost) {
   render_sequence();
   write(R"([[variant]]
 name = "impossible"
-set = ["tracking.min_overlap=1", "tracking.min_inliers=1", "keyframes.patience=1000"]
+set = ["tracking.min_overlap=1", "tracking.min_inliers=1",
+  "tracking.min_correlation=1", "keyframes.patience=1000"]
 [[sequence]]
 name = "room"
 path = "room"

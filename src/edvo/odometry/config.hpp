@@ -84,7 +84,7 @@ struct KeyframeOptions {
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
   int patience = 2;          // frames
-  double blur_sigma = 1.0;   // [px]
+  double blur_sigma = 0.5;   // [px]
 };
 
 template <typename Self, typename Visitor>

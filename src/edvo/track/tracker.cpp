@@ -19,7 +19,7 @@ constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fi
 constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
-constexpr double kSharedError = 20.0;
+constexpr double kSharedError = 40.0;
 
 // xi, gain, bias / kIntensityUnit.
 using System = LinearSystem<8>;
