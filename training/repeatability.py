@@ -3,9 +3,9 @@
 
 Edges of one image, lifted by the true depth, moved by the true poses and projected, are looked for
 among the edges of the image some frames later. Every detector keeps the same share of the pixels of
-each image by a threshold on the gradient: as it is for Canny, times the square root of the strength for
-networks, as edvo does it. Pixels at jumps of depth, without
-depth, hidden in the other view or outside of it are left out.
+each image by a threshold on the gradient: for networks on the gradient times the square root of the
+strength, as edvo uses them. Pixels at jumps of depth, without depth, hidden in the other view or
+outside of it are left out.
 
 python3 training/repeatability.py SEQUENCE canny models/edvo_edges.toml [--density 0.04]
 """

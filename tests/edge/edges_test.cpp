@@ -83,20 +83,29 @@ TEST(Corners, ADiscHoldsItsRadiusAndNoMore) {
   EXPECT_EQ(mask(23, 23), 0);
 }
 
-TEST(Canny, FindsTheOutlineOfASquareOnePixelWide) {
+// A bright square of 40 px in the middle of the image.
+cv::Mat_<std::uint8_t> bright_square() {
   cv::Mat_<std::uint8_t> image(120, 160, std::uint8_t{30});
   cv::rectangle(image, {50, 30, 40, 40}, cv::Scalar(200), -1);
-  const auto edges = canny_edges(image, {});
+  return image;
+}
+
+cv::Mat_<std::uint8_t> noisy_wall() {
+  cv::Mat_<std::uint8_t> wall(120, 160);
+  for (int y = 0; y < wall.rows; ++y)
+    for (int x = 0; x < wall.cols; ++x)
+      wall(y, x) = static_cast<std::uint8_t>(128 + (x * 7 + y * 13) % 3);
+  return wall;
+}
+
+TEST(Canny, FindsTheOutlineOfASquareOnePixelWide) {
+  const auto edges = canny_edges(bright_square(), {});
   EXPECT_NEAR(cv::countNonZero(edges), 4 * 40, 20);
   EXPECT_EQ(cv::countNonZero(edges(cv::Rect(55, 35, 30, 30))), 0);
 }
 
 TEST(Canny, SeesNoEdgesInNoiseOnABlankWall) {
-  cv::Mat_<std::uint8_t> image(120, 160, std::uint8_t{128});
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x)
-      image(y, x) = static_cast<std::uint8_t>(image(y, x) + (x * 7 + y * 13) % 3);
-  EXPECT_LT(cv::countNonZero(canny_edges(image, {})), 100);
+  EXPECT_LT(cv::countNonZero(canny_edges(noisy_wall(), {})), 100);
 }
 
 TEST(Canny, ThresholdFollowsTheContrastOfTheImage) {
@@ -108,8 +117,7 @@ TEST(Canny, ThresholdFollowsTheContrastOfTheImage) {
 }
 
 TEST(Canny, LeavesItsImageAsItWas) {
-  cv::Mat_<std::uint8_t> image(120, 160, std::uint8_t{30});
-  cv::rectangle(image, {50, 30, 40, 40}, cv::Scalar(200), -1);
+  const cv::Mat_<std::uint8_t> image = bright_square();
   const cv::Mat before = image.clone();
   (void)canny_edges(image, {.blur_sigma = 2});
   EXPECT_EQ(cv::norm(image, before, cv::NORM_INF), 0);
@@ -139,16 +147,12 @@ TEST(NetworkEdges, AreWhereTheNetworkSeesThemAndTheImageSteps) {
 
 TEST(NetworkEdges, WithoutInfluenceAreCannys) {
   const TwoSquares squares;
-  const auto edges =
-      network_edges(squares.strength, squares.gray, {.influence = 0, .blur_sigma = 1});
+  const auto edges = network_edges(squares.strength, squares.gray, {.influence = 0, .crests = {}});
   EXPECT_EQ(cv::norm(edges, canny_edges(squares.gray, {}), cv::NORM_INF), 0);
 }
 
 TEST(NetworkEdges, WeakStrengthOnANoisyWallMakesNone) {
-  cv::Mat_<std::uint8_t> wall(120, 160);
-  for (int y = 0; y < wall.rows; ++y)
-    for (int x = 0; x < wall.cols; ++x)
-      wall(y, x) = static_cast<std::uint8_t>(128 + (x * 7 + y * 13) % 3);
+  const cv::Mat_<std::uint8_t> wall = noisy_wall();
   const cv::Mat_<float> strength(wall.size(), 0.03F);
   EXPECT_EQ(cv::countNonZero(network_edges(strength, wall, {})), 0);
 }

@@ -61,9 +61,8 @@ cv::Mat_<std::uint8_t> canny_edges(const cv::Mat_<std::uint8_t>& gray, const Can
     multiply(gx, weights);
     multiply(gy, weights);
   }
-  const double high =
-      std::max(unit * kLowestThreshold, static_cast<double>(magnitude_quantile(
-                                            gx, gy, unit * kHighestMagnitude, options.edge_share)));
+  const int strong = magnitude_quantile(gx, gy, unit * kHighestMagnitude, options.edge_share);
+  const double high = std::max<double>(unit * kLowestThreshold, strong);
   cv::Mat_<std::uint8_t> edges;
   cv::Canny(gx, gy, edges, options.low_ratio * high, high);
   return edges;

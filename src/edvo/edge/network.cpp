@@ -3,7 +3,6 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/sha256.hpp"
-#include "edvo/edge/canny.hpp"
 #include "edvo/edge/inference.hpp"
 #include "edvo/edge/onnx_graph.hpp"
 #include "edvo/edge/onnx_weights.hpp"
@@ -248,11 +247,7 @@ cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
   cv::Mat_<float> weights;
   cv::dilate(strength, weights, cv::Mat::ones(3, 3, CV_8U));
   cv::pow(weights, options.influence, weights);
-  return canny_edges(gray,
-                     {.edge_share = options.edge_share,
-                      .low_ratio = options.low_ratio,
-                      .blur_sigma = options.blur_sigma},
-                     weights);
+  return canny_edges(gray, options.crests, weights);
 }
 
 }  // namespace edvo

@@ -4,6 +4,7 @@
 
 #include "edvo/core/fields.hpp"
 #include "edvo/edge/cached_detector.hpp"
+#include "edvo/edge/canny.hpp"
 #include "edvo/edge/detector.hpp"
 #include "edvo/edge/inference.hpp"
 
@@ -16,11 +17,9 @@ namespace edvo {
 struct Model;  // edvo/io/model_file.hpp
 
 struct NetworkOptions {
-  std::string model;         // path of a description; empty = edvo's own network
-  double influence = 0.5;    // exponent
-  double edge_share = 0.20;  // [0..1]
-  double low_ratio = 0.4;    // [0..1]
-  double blur_sigma = 0.7;   // [px]
+  std::string model;       // path of a description; empty = edvo's own network
+  double influence = 0.5;  // exponent
+  CannyOptions crests{.blur_sigma = 0.7};
 };
 
 template <typename Self, typename Visitor>
@@ -30,11 +29,7 @@ void visit_fields(Self& self, Visitor&& visit) {
         "description file of the network (docs/models.md); empty = edvo's own");
   visit("influence", self.influence, Range{0, 10},
         "power of the network's strength that weighs the gradient; 0 = Canny's edges");
-  visit(
-      "edge_share", self.edge_share, Range{0.001, 1},
-      "share of pixels whose weighted gradient passes the high threshold, before thinning [0..1]");
-  visit("low_ratio", self.low_ratio, Range{0, 1}, "low threshold / high threshold [0..1]");
-  visit("blur_sigma", self.blur_sigma, Range{0, 10}, "Gaussian blur before the gradient [px]");
+  visit_fields(self.crests, visit);  // of the weighted gradient
 }
 
 // Runs the network once on a blank image of this size, so that a model that does not fit fails here

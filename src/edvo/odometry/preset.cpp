@@ -22,9 +22,9 @@ Config preset(Method method) {
       config.edge.detector = Detector::kNone;
       config.corners.enabled = false;
       config.selection.max_points = 10'000'000;
-      config.keyframes = {.period = 1,
-                          .blur_sigma = 0};  // frame to frame, as the paper's "without keyframes"
-      config.tracking.geometric = 0;         // photometric only
+      // Frame to frame, as the paper's "without keyframes", and photometric only.
+      config.keyframes = {.period = 1, .blur_sigma = 0};
+      config.tracking.geometric = 0;
       config.window.keyframes = 0;
       break;
   }
