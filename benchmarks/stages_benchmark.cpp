@@ -39,7 +39,7 @@ void selection_stage(benchmark::State& state) {
   const World& w = world();
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        select_pixels(w.key, w.mask, w.undistortion.valid, w.config.selection));
+        select_pixels(w.first, w.mask, w.undistortion.valid, w.config.selection));
 }
 BENCHMARK(selection_stage)->Name("selection")->Unit(benchmark::kMillisecond);
 
@@ -59,20 +59,19 @@ BENCHMARK(tracking_stage)->Name("tracking")->Unit(benchmark::kMillisecond);
 // The second keyframe, refined against the first: a full window takes several times as long.
 void map_stage(benchmark::State& state) {
   const World& w = world();
-  const Frame second = smoothed(w.second, w.config.keyframes.blur_sigma);
   const std::vector<SelectedPixel> pixels = select_pixels(
-      second,
+      w.second,
       with_corner_discs(edge_mask(w.second, w.undistortion, nullptr, w.config), w.config.corners),
       w.undistortion.valid, w.config.selection);
   const SE3 first_from_second = inverse(synth::pose_of(w.sequence, 0).world_from_camera) *
                                 synth::pose_of(w.sequence, kSecondFrame).world_from_camera;
   LocalMap one;
-  one.add(w.key, SE3{}, Alignment{}, w.pixels, w.config);
+  one.add(w.first, SE3{}, Alignment{}, w.pixels, w.config);
   for (auto _ : state) {
     state.PauseTiming();
     LocalMap map = one;
     state.ResumeTiming();
-    map.add(second, first_from_second, Alignment{}, pixels, w.config);
+    map.add(w.second, first_from_second, Alignment{}, pixels, w.config);
     map.refine(w.sequence.camera.pinhole, w.config.window);
     benchmark::DoNotOptimize(map);
   }

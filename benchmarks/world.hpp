@@ -18,12 +18,11 @@ struct World {
   RgbdImage second_image = synth::make_frame(sequence, kSecondFrame);
   Undistortion undistortion = make_undistortion(sequence.camera);
   Frame first = make_frame(first_image, undistortion, config.frame);
-  Frame key = smoothed(first, config.keyframes.blur_sigma);
   Frame second = make_frame(second_image, undistortion, config.frame);
   cv::Mat_<std::uint8_t> edges = edge_mask(first, undistortion, nullptr, config);
   cv::Mat_<std::uint8_t> mask = mask_of(first);
   std::vector<SelectedPixel> pixels =
-      select_pixels(key, mask, undistortion.valid, config.selection);
+      select_pixels(first, mask, undistortion.valid, config.selection);
   Reference reference = reference_with_surface();
 
   [[nodiscard]] cv::Mat_<std::uint8_t> mask_of(const Frame& frame) const {
@@ -31,7 +30,7 @@ struct World {
   }
 
   [[nodiscard]] Reference reference_with_surface() const {
-    Reference made = make_reference(key, pixels, {.softness = config.tracking.softness});
+    Reference made = make_reference(first, pixels, {.softness = config.tracking.softness});
     made.surface = make_surface(first.depth, undistortion.camera, config.tracking.surface_cell,
                                 config.tracking.depth_noise);
     return made;

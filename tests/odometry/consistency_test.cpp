@@ -24,9 +24,8 @@ constexpr double kDegreesOfFreedom = 6;
 Reference reference_of(const Frame& frame, const Undistortion& undistortion, const Config& config) {
   const cv::Mat_<std::uint8_t> mask =
       with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
-  const Frame key = smoothed(frame, config.keyframes.blur_sigma);
   Reference reference =
-      make_reference(key, select_pixels(key, mask, undistortion.valid, config.selection),
+      make_reference(frame, select_pixels(frame, mask, undistortion.valid, config.selection),
                      {.softness = config.tracking.softness,
                       .finest_level = config.tracking.finest_level,
                       .coarsest_level = config.tracking.coarsest_level});

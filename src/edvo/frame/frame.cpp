@@ -22,14 +22,4 @@ Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
   return frame;
 }
 
-Frame smoothed(const Frame& frame, double sigma) {
-  Frame result = frame;
-  if (sigma > 0) {
-    cv::Mat blurred;
-    cv::GaussianBlur(frame.levels.front().gray, blurred, {}, sigma);
-    result.levels.front().gray = blurred;
-  }
-  return result;
-}
-
 }  // namespace edvo

@@ -41,8 +41,4 @@ struct Frame {
 [[nodiscard]] Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
                                const FrameOptions& options);
 
-// The same frame with a Gaussian blur of this sigma [px] over its full image; its smaller images,
-// built from the sharp one, are shared. 0 = no blur.
-[[nodiscard]] Frame smoothed(const Frame& frame, double sigma);
-
 }  // namespace edvo

@@ -84,7 +84,6 @@ struct KeyframeOptions {
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
   int patience = 2;          // frames
-  double blur_sigma = 0.5;   // [px]
 };
 
 template <typename Self, typename Visitor>
@@ -99,8 +98,6 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
   visit("patience", self.patience, Range{0, 1e6},
         "lost frames in a row after which tracking starts again from the last pose");
-  visit("blur_sigma", self.blur_sigma, Range{0, 10},
-        "Gaussian blur of a keyframe's full image, against its noise; 0 = none [px]");
 }
 
 struct Config {

@@ -189,11 +189,10 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   report.milliseconds.edges = watch.lap();
   const cv::Mat_<std::uint8_t> candidates = with_corner_discs(edges, config.corners);
   report.milliseconds.corners = watch.lap();
-  const Frame key = smoothed(frame, config.keyframes.blur_sigma);
   const std::vector<SelectedPixel> pixels =
-      select_pixels(key, candidates, undistortion.valid, config.selection);
+      select_pixels(frame, candidates, undistortion.valid, config.selection);
   if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
-  reference = make_reference(key, pixels,
+  reference = make_reference(frame, pixels,
                              {.softness = config.tracking.softness,
                               .finest_level = config.tracking.finest_level,
                               .coarsest_level = config.tracking.coarsest_level},
@@ -204,7 +203,7 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   if (config.tracking.edge_distance > 0)
     reference.edge_points = edge_points(frame.edge_distance, undistortion.camera, pixels);
   report.milliseconds.selection = watch.lap();
-  map.add(key, world_from_camera, alignment, pixels, config);
+  map.add(frame, world_from_camera, alignment, pixels, config);
   report.milliseconds.window = watch.lap();
   report.world_from_camera = map.keyframes().back().world_from_camera;
   alignment = {};

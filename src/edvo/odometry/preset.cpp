@@ -23,7 +23,7 @@ Config preset(Method method) {
       config.corners.enabled = false;
       config.selection.max_points = 10'000'000;
       // Frame to frame, as the paper's "without keyframes", and photometric only.
-      config.keyframes = {.period = 1, .blur_sigma = 0};
+      config.keyframes = {.period = 1};
       config.tracking.geometric = 0;
       config.window.keyframes = 0;
       break;

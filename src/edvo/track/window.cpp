@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
 constexpr double kDamping = 1e-4;
+constexpr double kMostRelaxed = 1.9;      // a step twice as long gains nothing on a quadratic cost
 constexpr float kLeastDepthScale = 0.1F;  // of the depth noise expected
 
 // The depth noise that the newest keyframe and the others show, by what the options say; at most 1:
@@ -29,6 +30,34 @@ double depth_scale(const std::vector<WindowKeyframe>& window, const Camera& came
                         errors);
   }
   return static_cast<double>(std::clamp(mad_sigma(errors), kLeastDepthScale, 1.F));
+}
+
+// How far to go along each step (Aitken's delta squared, as Kuettler and Wall 2008 use it).
+// Gauss-Newton with the weights of a robust loss takes steps that are too short where few pixels
+// match yet; then one step points where the last one did, and the sum of all that would follow is
+// known from two. Products are in the metric of the keyframes' Hessian: H step = -gradient.
+class Relaxation {
+ public:
+  double next(const WindowStep& step) {
+    const double own = -step.gradient.dot(step.keyframes);
+    if (last_.size() > 0) {
+      const double cross = -step.gradient.dot(last_);
+      factor_ *= (last_own_ - cross) / (last_own_ - 2 * cross + own);
+      factor_ = factor_ > 1 ? std::min(factor_, kMostRelaxed) : 1;  // 1 where it is not a number
+    }
+    last_ = step.keyframes;
+    last_own_ = own;
+    return factor_;
+  }
+
+ private:
+  double factor_ = 1, last_own_ = 0;
+  Eigen::VectorXd last_;
+};
+
+void lengthen(WindowStep& step, double factor) {
+  step.keyframes *= factor;
+  for (float& depth : step.depths) depth *= static_cast<float>(factor);
 }
 
 // The models of a window's pairs, host by host; empty ones where there is none in the memory.
@@ -118,9 +147,11 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
       linearize_window(window, camera, fixed, WindowPairs::kNewest, options, models);
   const double first_cost = others.cost + newest.cost;
   WindowSummary summary{1, first_cost, first_cost};
+  Relaxation relaxation;
   while (summary.iterations < options.iterations) {
     WindowStep step = solve(others, newest, kDamping);
     if (!step.keyframes.allFinite()) break;
+    lengthen(step, relaxation.next(step));
     std::vector<WindowKeyframe> moved = window;
     apply_step(step, fixed, moved);
     move_by(step, others);

@@ -17,7 +17,7 @@ struct WindowOptions {
   int anchors = 5;
   int memory = 100;
   int points = 400;
-  int iterations = 5;
+  int iterations = 8;
   double tolerance = 1e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]

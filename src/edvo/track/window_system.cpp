@@ -266,7 +266,8 @@ WindowStep solve(const WindowSystem& a, const WindowSystem& b, double lambda) {
   hessian.diagonal() *= 1 + lambda;
   const Eigen::VectorXd gradient = a.gradient + b.gradient + gradient_by_depths.cast<double>();
   WindowStep step{.keyframes = -hessian.selfadjointView<Eigen::Upper>().ldlt().solve(gradient),
-                  .depths = std::vector<float>(a.depths.size())};
+                  .depths = std::vector<float>(a.depths.size()),
+                  .gradient = gradient};
   const Eigen::VectorXf narrow = step.keyframes.cast<float>();
   const std::vector<float> by_a = depth_pull(a, narrow), by_b = depth_pull(b, narrow);
   for (std::size_t i = 0; i < a.depths.size(); ++i)

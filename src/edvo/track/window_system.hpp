@@ -28,6 +28,7 @@ struct WindowSystem {
 struct WindowStep {
   Eigen::VectorXd keyframes;
   std::vector<float> depths;
+  Eigen::VectorXd gradient;  // of the cost by the keyframes, each inverse depth at its best
 };
 
 // Pairs of keyframes between which residuals are taken: those with the newest, or all others.
