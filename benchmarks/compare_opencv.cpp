@@ -230,6 +230,7 @@ int main(int argc, char** argv) try {
   CLI11_PARSE(program, argc, argv);
 
   app::keep_freed_memory();  // as the edvo program does; OpenCV gains by it, too
+  app::take_memory();
   cv::setNumThreads(threads);
   const Dataset dataset = open_dataset(sequence);
   const DistortedCamera camera = choose_camera(dataset).camera;

@@ -7,6 +7,7 @@
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
+#include "memory.hpp"
 #include "progress.hpp"
 #include "stop_signal.hpp"
 
@@ -131,6 +132,7 @@ void require_tracking(const RunResult& result) {
 RunResult run_frames(const FrameInput& input, const RunDescription& description,
                      const Config& config, const std::optional<GroundTruth>& truth,
                      const RunOptions& options) {
+  take_memory();
   cv::setNumThreads(std::max(1, options.threads - 1));  // one thread reads ahead
   Warn warn = [](const std::string&) {};
   Odometry odometry(description.camera, config,

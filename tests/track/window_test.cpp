@@ -42,6 +42,20 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
   }
 }
 
+TEST(Window, SaysWhetherMoreIterationsWouldGain) {
+  const auto converged = [](int iterations) {
+    const WindowOptions options{.iterations = iterations};
+    auto window = plane_window({SE3{}, motion(0.1, 0, 0, 0, 0.02, 0)}, options);
+    window[1].world_from_key =
+        window[1].world_from_key * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
+    std::vector<PairModel> memory;
+    return refine_window(window, kVgaCamera, 1, options, memory).converged;
+  };
+  EXPECT_FALSE(converged(1));
+  EXPECT_FALSE(converged(2));
+  EXPECT_TRUE(converged(50));
+}
+
 TEST(Window, LeavesTheFixedKeyframesWhereTheyAre) {
   const WindowOptions options;
   const std::vector<SE3> poses = {SE3{}, motion(0.05, 0, 0, 0, 0, 0), motion(0.1, 0, 0, 0, 0, 0)};

@@ -8,6 +8,7 @@ namespace edvo {
 namespace {
 
 constexpr double kSameView = 0.3;  // [0..1] of a keyframe's points that an anchor must see
+constexpr int kRounds = 2;  // of refinement at most, one per frame: frames share a keyframe's cost
 
 }  // namespace
 
@@ -26,11 +27,12 @@ void LocalMap::add(const Frame& frame, const SE3& world_from_camera, const Align
   recent_.push_back(std::move(key));
   const auto limit = static_cast<std::size_t>(options.keyframes + options.memory);
   if (recent_.size() > limit) recent_.erase(recent_.begin());
-  refined_ = false;
+  rounds_left_ = kRounds;
 }
 
 void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
-  if (std::exchange(refined_, true)) return;
+  if (rounds_left_ == 0) return;
+  --rounds_left_;
   const std::size_t count = recent_.size();
   const std::size_t free = std::min(count, static_cast<std::size_t>(options.keyframes));
   std::vector<std::pair<double, std::size_t>>
@@ -49,7 +51,7 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
 
   std::vector<WindowKeyframe> window;
   for (const std::size_t k : members) window.push_back(std::move(recent_[k]));
-  refine_window(window, camera, fixed, options, pairs_);
+  if (refine_window(window, camera, fixed, options, pairs_).converged) rounds_left_ = 0;
   const std::size_t first = keyframes_.size() - count;
   for (std::size_t i = 0; i < members.size(); ++i) {
     recent_[members[i]] = std::move(window[i]);

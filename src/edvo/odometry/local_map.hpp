@@ -15,7 +15,7 @@ class LocalMap {
            const std::vector<SelectedPixel>& pixels, const Config& config);
 
   // Refines a keyframe just added together with the last ones, held by older ones with the same
-  // view. Does nothing the second time.
+  // view. The second time goes on where that did not converge, later ones do nothing.
   void refine(const Camera& camera, const WindowOptions& options);
 
   [[nodiscard]] const Trajectory& keyframes() const { return keyframes_; }
@@ -24,7 +24,7 @@ class LocalMap {
   Trajectory keyframes_;                // all
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
   std::vector<PairModel> pairs_;        // as the last refinement left them
-  bool refined_ = true;                 // the last of them
+  int rounds_left_ = 0;                 // of refinement, before the next keyframe
 };
 
 // Candidates for tracking before corner optimization: H x W, 255 = edge; everything without

@@ -146,10 +146,11 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
   WindowSystem newest =
       linearize_window(window, camera, fixed, WindowPairs::kNewest, options, models);
   const double first_cost = others.cost + newest.cost;
-  WindowSummary summary{1, first_cost, first_cost};
+  WindowSummary summary{1, first_cost, first_cost, false};
   Relaxation relaxation;
   while (summary.iterations < options.iterations) {
     WindowStep step = solve(others, newest, kDamping);
+    summary.converged = true;  // unless this step is a good one
     if (!step.keyframes.allFinite()) break;
     lengthen(step, relaxation.next(step));
     std::vector<WindowKeyframe> moved = window;
@@ -161,7 +162,8 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
     ++summary.iterations;
     window = std::move(moved);
     summary.last_cost -= gained;
-    if (gained < options.tolerance * summary.last_cost) break;
+    summary.converged = gained < options.tolerance * summary.last_cost;
+    if (summary.converged) break;
   }
   std::erase_if(models, [](const PairModel& model) { return model.depths.empty(); });
   memory = std::move(models);

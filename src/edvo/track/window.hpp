@@ -17,8 +17,8 @@ struct WindowOptions {
   int anchors = 5;
   int memory = 100;
   int points = 400;
-  int iterations = 8;
-  double tolerance = 1e-4;
+  int iterations = 4;
+  double tolerance = 3e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]
   double softness = 50.0;       // [grey levels / px]
@@ -82,6 +82,7 @@ struct PairModel;  // window_pair.hpp
 struct WindowSummary {
   int iterations = 0;
   double first_cost = 0, last_cost = 0;
+  bool converged = true;  // more iterations would gain next to nothing
 };
 
 // Share of the points of one keyframe that another sees, [0..1].
