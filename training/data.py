@@ -3,7 +3,8 @@
 
 Below DATA: Data/BIPEDv2/BIPED/edges/{imgs,edge_maps}/{train,test}/rgbr, BSDS/BSDS500/data/images,
 UDED/{imgs,gt} (README.md says where each comes from). UDED is for tests alone: nothing here trains
-on it, and images of BSDS500 that it contains are left out.
+on it, and images of BSDS500 that it contains are left out. A folder of free images can take the
+place of all of them.
 """
 import json
 from dataclasses import dataclass
@@ -13,11 +14,12 @@ import cv2
 import numpy as np
 import torch
 
-from detectors import Plain
+import detectors
 
 BIPED = "Data/BIPEDv2/BIPED/edges"
 BSDS = "BSDS/BSDS500/data/images"
 SCALES = (1.0, 0.7, 0.5)  # of BIPEDv2 (1280 x 720); BSDS500 is used as it is
+FREE_SIDES = (800, 500)  # longest sides of a free image [pixels]
 HELD_OUT = 19  # the last of BIPEDv2's training images: never trained on, they choose between runs
 
 
@@ -64,6 +66,14 @@ def unlabelled(data):
     return [p for p in sorted((Path(data) / BSDS).glob("*/*.jpg")) if p.stem not in numbers]
 
 
+def images_below(folder):
+    """The files that fetch_free.py writes."""
+    found = sorted(p for p in Path(folder).iterdir() if p.suffix in (".jpg", ".jpeg", ".png"))
+    if not found:
+        raise SystemExit(f"{folder}: no images")
+    return found
+
+
 def shrink(image, scale):
     if scale == 1:
         return image
@@ -75,16 +85,23 @@ def shrink_label(label, scale):
     return np.minimum(shrink(label, scale).astype(np.float32) / scale, 255).astype(np.uint8)
 
 
-def load(data, cache, teacher=None):
-    """All training samples; the teacher's answers are computed once and kept in `cache` as PNG."""
+def load(data, cache, teachers=None, free=None):
+    """All training samples; the teachers' answers are computed once and kept in `cache` as PNG.
+
+    With a folder of free images, these alone are read, and nothing has a label.
+    """
     cache = Path(cache)
     cache.mkdir(parents=True, exist_ok=True)
-    net = Plain(teacher) if teacher else None
-    jobs = [(i, g, s) for i, g in pairs(data, "train") for s in SCALES]
-    jobs += [(i, None, 1.0) for i in unlabelled(data)] if net else []
+    net = make_teacher(teachers) if teachers else None
+    if free:
+        jobs = [(i, None, s) for i in images_below(free) for s in FREE_SIDES]
+    else:
+        jobs = [(i, g, s) for i, g in pairs(data, "train") for s in SCALES]
+        jobs += [(i, None, 1.0) for i in unlabelled(data)] if net else []
     samples = []
     for image, label, scale in jobs:
-        bgr = shrink(read(image), scale)
+        bgr = read(image)
+        bgr = shrink(bgr, min(1, scale / max(bgr.shape)) if free else scale)
         if label is None:
             drawn = np.zeros(bgr.shape[:2], np.uint8)
         else:
@@ -99,6 +116,10 @@ def load(data, cache, teacher=None):
             cv2.imwrite(str(kept), said)
         samples.append(Sample(bgr, drawn, said, label is not None))
     return samples
+
+
+def make_teacher(names):
+    return detectors.make(names[0]) if len(names) == 1 else detectors.Together(names)
 
 
 def crop(sample, size, rng):
@@ -146,7 +167,7 @@ def batch(samples, count, size, unlabelled_share, seed, step):
     without = [s for s in samples if not s.labelled]
     images, labels, teachers, labelled = [], [], [], []
     for _ in range(count):
-        free = without and rng.random() < unlabelled_share
+        free = not with_label or (without and rng.random() < unlabelled_share)
         source = without if free else with_label
         sample = source[rng.integers(len(source))]
         bgr, label, teacher = crop(sample, size, rng)

@@ -67,8 +67,35 @@ class Canny:
         return cv2.Canny(gray, self.low_ratio * high, high) > 0
 
 
+class Enlarged:
+    """A detector that is shown the image enlarged; its strength comes back at the image's size."""
+
+    def __init__(self, detector, zoom):
+        self.detector, self.zoom = detector, zoom
+
+    def __call__(self, bgr):
+        seen = cv2.resize(bgr, None, fx=self.zoom, fy=self.zoom, interpolation=cv2.INTER_CUBIC)
+        return cv2.resize(self.detector(seen), bgr.shape[1::-1], interpolation=cv2.INTER_AREA)
+
+
+class Together:
+    """The mean of several detectors' logits, as a probability."""
+
+    LEAST = 1e-4  # a probability of 0 has no logit
+
+    def __init__(self, names):
+        self.parts = [make(name) for name in names]
+
+    def __call__(self, bgr):
+        said = np.clip([part(bgr) for part in self.parts], self.LEAST, 1 - self.LEAST)
+        return 1 / (1 + np.exp(-np.log(said / (1 - said)).mean(0)))
+
+
 def make(name):
-    """canny | FILE.toml | FILE.onnx"""
+    """canny | FILE.toml | FILE.onnx, with @ZOOM behind it to be shown the image enlarged"""
+    name, _, zoom = str(name).partition("@")
+    if zoom:
+        return Enlarged(make(name), float(zoom))
     if name == "canny":
         return Canny()
-    return Network(name) if str(name).endswith(".toml") else Plain(name)
+    return Network(name) if name.endswith(".toml") else Plain(name)

@@ -5,13 +5,16 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import cv2
 import numpy as np
 import torch
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import benchmark
 import data
+import detectors
 import export
+import fetch_free
 import model
 
 
@@ -97,6 +100,31 @@ class Network(unittest.TestCase):
         first, second = (data.batch([sample], 2, 96, 0.3, 1, 7) for _ in range(2))
         self.assertTrue(np.array_equal(first[0], second[0]))
         self.assertTrue(torch.equal(first[1], second[1]))
+
+
+class FreeImages(unittest.TestCase):
+    def test_they_fill_a_batch_without_labels(self):
+        teacher = Path(__file__).resolve().parents[2] / "models/edvo_edges.toml"
+        with tempfile.TemporaryDirectory() as folder:
+            cv2.imwrite(f"{folder}/square.png",
+                        cv2.rectangle(np.zeros((200, 300, 3), np.uint8), (90, 60), (210, 140),
+                                      (255, 255, 255), -1))
+            samples = data.load(None, Path(folder) / "cache", [str(teacher)], folder)
+        _, drawn, said, labelled = data.batch(samples, 3, 160, 0.3, 1, 0)
+        self.assertFalse(labelled.any() or drawn.any())
+        self.assertGreater(said.max(), 0.5)
+
+    def test_teachers_together_answer_with_the_mean_of_their_logits(self):
+        bgr = np.zeros((6, 8, 3), np.uint8)
+        both = detectors.Together([])
+        both.parts = [lambda x: np.full(x.shape[:2], 0.9),
+                      detectors.Enlarged(lambda x: np.full(x.shape[:2], 0.1), 1.5)]
+        np.testing.assert_allclose(both(bgr), np.full((6, 8), 0.5), atol=1e-6)
+
+    def test_the_list_names_every_file_once_with_licence_and_author(self):
+        rows = fetch_free.listed()
+        self.assertEqual(len({fetch_free.name_of(r) for r in rows}), len(rows))
+        self.assertTrue(all(len(r["commit"]) == 40 and r["licence"] and r["author"] for r in rows))
 
 
 if __name__ == "__main__":
