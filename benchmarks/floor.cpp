@@ -273,7 +273,7 @@ void print_keyframe(const World& w, const Rates& rates) {
       "selection",
       {.bytes = (1 + 1 + 1 + 4) * pixels, .operations = pixels + candidates * kCandidateOperations},
       seconds_of(
-          [&] { keep(select_pixels(w.key, w.mask, w.undistortion.valid, w.config.selection)); }),
+          [&] { keep(select_pixels(w.first, w.mask, w.undistortion.valid, w.config.selection)); }),
       rates);
   double points = 0;
   for (const ReferenceLevel& level : w.reference.levels) points += static_cast<double>(level.count);

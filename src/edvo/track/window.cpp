@@ -13,7 +13,8 @@ namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
 constexpr double kDamping = 1e-4;
-constexpr double kMostRelaxed = 1.9;      // a step twice as long gains nothing on a quadratic cost
+constexpr double kMostRelaxed = 1.9;    // a step twice as long gains nothing on a quadratic cost
+constexpr double kWorthAnother = 1e-3;  // of the cost: gained by the last step, worth another round
 constexpr float kLeastDepthScale = 0.1F;  // of the depth noise expected
 
 // The depth noise that the newest keyframe and the others show, by what the options say; at most 1:
@@ -162,8 +163,8 @@ WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& c
     ++summary.iterations;
     window = std::move(moved);
     summary.last_cost -= gained;
-    summary.converged = gained < options.tolerance * summary.last_cost;
-    if (summary.converged) break;
+    summary.converged = gained < kWorthAnother * summary.last_cost;
+    if (gained < options.tolerance * summary.last_cost) break;
   }
   std::erase_if(models, [](const PairModel& model) { return model.depths.empty(); });
   memory = std::move(models);

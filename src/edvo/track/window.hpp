@@ -82,7 +82,7 @@ struct PairModel;  // window_pair.hpp
 struct WindowSummary {
   int iterations = 0;
   double first_cost = 0, last_cost = 0;
-  bool converged = true;  // more iterations would gain next to nothing
+  bool converged = true;  // another refinement would gain next to nothing
 };
 
 // Share of the points of one keyframe that another sees, [0..1].
