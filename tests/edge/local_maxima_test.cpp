@@ -2,9 +2,8 @@
 #include "edvo/edge/local_maxima.hpp"
 
 #include <gtest/gtest.h>
-#include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 namespace edvo {
 namespace {

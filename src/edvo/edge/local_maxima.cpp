@@ -4,6 +4,7 @@
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <vector>
