@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/track/window.hpp"
+#include "edvo/track/window_refinement.hpp"
 
-#include "edvo/track/window_system.hpp"
 #include "support/matchers.hpp"
 #include "support/plane_frame.hpp"
 
@@ -34,26 +33,40 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
   window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
   window[2].world_from_key = poses[2] * motion(-0.004, 0.005, 0.002, 0.002, -0.001, 0.001);
   std::vector<PairModel> memory;
-  const WindowSummary summary = refine_window(window, kVgaCamera, 1, options, memory);
-  EXPECT_LT(summary.last_cost, summary.first_cost);
+  const WindowRefinement done = refine_window(window, kVgaCamera, 1, options, memory);
+  EXPECT_LT(done.cost, done.first_cost);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
     EXPECT_NEAR(window[k].gain, 1, 0.02);
   }
 }
 
-TEST(Window, SaysWhetherMoreIterationsWouldGain) {
-  const auto converged = [](int iterations) {
-    const WindowOptions options{.iterations = iterations};
-    auto window = plane_window({SE3{}, motion(0.1, 0, 0, 0, 0.02, 0)}, options);
-    window[1].world_from_key =
-        window[1].world_from_key * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
-    std::vector<PairModel> memory;
-    return refine_window(window, kVgaCamera, 1, options, memory).converged;
-  };
-  EXPECT_FALSE(converged(1));
-  EXPECT_FALSE(converged(2));
-  EXPECT_TRUE(converged(50));
+TEST(Window, IsRefinedInPartsToTheSamePosesAsAtOnce) {
+  const WindowOptions options{.iterations = 4, .tolerance = 0};
+  auto window = plane_window({SE3{}, motion(0.1, 0, 0, 0, 0.02, 0)}, options);
+  window[1].world_from_key =
+      window[1].world_from_key * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
+  auto whole = window;
+  std::vector<PairModel> memory, of_whole;
+  (void)refine_window(whole, kVgaCamera, 1, options, of_whole);
+  WindowRefinement refinement = begin_refinement(window, kVgaCamera, 1, options, memory);
+  int parts = 0;
+  for (; !refinement.finished; ++parts) advance(refinement, window, 2, memory);
+  EXPECT_EQ(parts, 2);
+  EXPECT_EQ(refinement.iterations, options.iterations);
+  EXPECT_THAT(window[1].world_from_key, NearPose(whole[1].world_from_key, 1e-15));
+}
+
+TEST(Window, IsFinishedWhereAStepGainsLittle) {
+  const WindowOptions options{.iterations = 100};
+  auto window = plane_window({SE3{}, motion(0.1, 0, 0, 0, 0.02, 0)}, options);
+  window[1].world_from_key =
+      window[1].world_from_key * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
+  std::vector<PairModel> memory;
+  const WindowRefinement done = refine_window(window, kVgaCamera, 1, options, memory);
+  EXPECT_TRUE(done.finished);
+  EXPECT_GT(done.iterations, 2);
+  EXPECT_LT(done.iterations, 50);
 }
 
 TEST(Window, LeavesTheFixedKeyframesWhereTheyAre) {

@@ -8,7 +8,9 @@ namespace edvo {
 namespace {
 
 constexpr double kSameView = 0.3;  // [0..1] of a keyframe's points that an anchor must see
-constexpr int kRounds = 2;  // of refinement at most, one per frame: frames share a keyframe's cost
+// Frames share a keyframe's cost: steps of the refinement in the first of them, which also pays for
+// its linearization, and in each of the next.
+constexpr int kStepsAtFirst = 2, kSteps = 3;
 
 }  // namespace
 
@@ -27,12 +29,28 @@ void LocalMap::add(const Frame& frame, const SE3& world_from_camera, const Align
   recent_.push_back(std::move(key));
   const auto limit = static_cast<std::size_t>(options.keyframes + options.memory);
   if (recent_.size() > limit) recent_.erase(recent_.begin());
-  rounds_left_ = kRounds;
+  waiting_ = true;
 }
 
-void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
-  if (rounds_left_ == 0) return;
-  --rounds_left_;
+bool LocalMap::refine(const Camera& camera, const WindowOptions& options) {
+  const bool begins = waiting_;
+  waiting_ = false;
+  if (begins) choose_members(camera, options);
+  if (!begins && refinement_.finished) return false;
+  std::vector<WindowKeyframe> window;
+  for (const std::size_t k : members_) window.push_back(std::move(recent_[k]));
+  if (begins) refinement_ = begin_refinement(window, camera, fixed_, options, pairs_);
+  advance(refinement_, window, begins ? kStepsAtFirst : kSteps, pairs_);
+  const std::size_t first = keyframes_.size() - recent_.size();
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    recent_[members_[i]] = std::move(window[i]);
+    keyframes_[first + members_[i]].world_from_camera = recent_[members_[i]].world_from_key;
+  }
+  return !refinement_.finished;
+}
+
+// The last keyframes, and before them those older ones that see most of the newest one's points.
+void LocalMap::choose_members(const Camera& camera, const WindowOptions& options) {
   const std::size_t count = recent_.size();
   const std::size_t free = std::min(count, static_cast<std::size_t>(options.keyframes));
   std::vector<std::pair<double, std::size_t>>
@@ -43,20 +61,11 @@ void LocalMap::refine(const Camera& camera, const WindowOptions& options) {
   }
   std::sort(views.begin(), views.end());
   views.resize(std::min(views.size(), static_cast<std::size_t>(options.anchors)));
-  std::vector<std::size_t> members;
-  for (const auto& [view, k] : views) members.push_back(k);
-  std::sort(members.begin(), members.end());
-  const int fixed = std::max(1, static_cast<int>(members.size()));
-  for (std::size_t k = count - free; k < count; ++k) members.push_back(k);
-
-  std::vector<WindowKeyframe> window;
-  for (const std::size_t k : members) window.push_back(std::move(recent_[k]));
-  if (refine_window(window, camera, fixed, options, pairs_).converged) rounds_left_ = 0;
-  const std::size_t first = keyframes_.size() - count;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    recent_[members[i]] = std::move(window[i]);
-    keyframes_[first + members[i]].world_from_camera = recent_[members[i]].world_from_key;
-  }
+  members_.clear();
+  for (const auto& [view, k] : views) members_.push_back(k);
+  std::sort(members_.begin(), members_.end());
+  fixed_ = std::max(1, static_cast<int>(members_.size()));
+  for (std::size_t k = count - free; k < count; ++k) members_.push_back(k);
 }
 
 cv::Mat_<std::uint8_t> edge_mask(const Frame& frame, const Undistortion& undistortion,

@@ -4,7 +4,7 @@
 
 #include "edvo/core/trajectory.hpp"
 #include "edvo/odometry/config.hpp"
-#include "edvo/track/window_pair.hpp"
+#include "edvo/track/window_refinement.hpp"
 
 namespace edvo {
 
@@ -14,17 +14,23 @@ class LocalMap {
   void add(const Frame& frame, const SE3& world_from_camera, const Alignment& from_last,
            const std::vector<SelectedPixel>& pixels, const Config& config);
 
-  // Refines a keyframe just added together with the last ones, held by older ones with the same
-  // view. The second time goes on where that did not converge, later ones do nothing.
-  void refine(const Camera& camera, const WindowOptions& options);
+  // Refines the keyframe added last together with those before it, held by older ones with the same
+  // view: some steps at a time, to be called until nothing is left to do (false) or the next
+  // keyframe is there.
+  bool refine(const Camera& camera, const WindowOptions& options);
 
   [[nodiscard]] const Trajectory& keyframes() const { return keyframes_; }
 
  private:
+  void choose_members(const Camera& camera, const WindowOptions& options);
+
   Trajectory keyframes_;                // all
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
   std::vector<PairModel> pairs_;        // as the last refinement left them
-  int rounds_left_ = 0;                 // of refinement, before the next keyframe
+  bool waiting_ = false;                // the last keyframe has not been refined at all
+  std::vector<std::size_t> members_;    // of recent_, the window of the refinement under way
+  int fixed_ = 1;                       // the first so many members stay where they are
+  WindowRefinement refinement_;
 };
 
 // Candidates for tracking before corner optimization: H x W, 255 = edge; everything without

@@ -234,7 +234,7 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   report.inlier_ratio = result.inlier_ratio;
   report.rms = result.sigma;
   report.points = result.levels.back().points;
-  // Of the keyframe before this frame: what a keyframe costs is shared by two frames.
+  // Of the keyframe before this frame: what a keyframe costs is shared by the frames after it.
   map.refine(undistortion.camera, config.window);
   report.milliseconds.window = watch.lap();
   const SE3 world_from_key = map.keyframes().back().world_from_camera;
@@ -323,7 +323,8 @@ Trajectory Odometry::trajectory() const {
 
 Trajectory Odometry::keyframes() const {
   LocalMap map = state_->map;
-  map.refine(state_->undistortion.camera, state_->config.window);
+  while (map.refine(state_->undistortion.camera, state_->config.window)) {
+  }
   return map.keyframes();
 }
 

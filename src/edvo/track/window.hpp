@@ -17,8 +17,8 @@ struct WindowOptions {
   int anchors = 5;
   int memory = 100;
   int points = 400;
-  int iterations = 4;
-  double tolerance = 3e-4;
+  int iterations = 8;
+  double tolerance = 5e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]
   double softness = 50.0;       // [grey levels / px]
@@ -35,7 +35,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "older keyframes with the same view that hold the refined ones in place");
   visit("memory", self.memory, Range{1, 10000}, "older keyframes kept as possible anchors");
   visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
-  visit("iterations", self.iterations, Range{1, 100}, "linearizations per refinement");
+  visit("iterations", self.iterations, Range{1, 100},
+        "linearizations per refinement, shared by a few frames");
   visit("tolerance", self.tolerance, Range{0, 1},
         "a step that lowers the cost by a smaller share ends the refinement");
   visit("sigma", self.sigma, Range{0.1, 255}, "sigma of the photometric residuals [grey levels]");
@@ -77,22 +78,8 @@ struct WindowKeyframe {
                                                   const std::vector<SelectedPixel>& pixels,
                                                   const WindowOptions& options);
 
-struct PairModel;  // window_pair.hpp
-
-struct WindowSummary {
-  int iterations = 0;
-  double first_cost = 0, last_cost = 0;
-  bool converged = true;  // another refinement would gain next to nothing
-};
-
 // Share of the points of one keyframe that another sees, [0..1].
 [[nodiscard]] double shared_view(const WindowKeyframe& host, const WindowKeyframe& target,
                                  const Camera& camera);
-
-// Lowers the joint cost over poses, brightness and inverse depths of all but the first `fixed`
-// keyframes. memory: models of pairs, those of the last refinement of most of these keyframes and
-// then of this; empty at first. Keyframes are told apart by their stamps.
-WindowSummary refine_window(std::vector<WindowKeyframe>& window, const Camera& camera, int fixed,
-                            const WindowOptions& options, std::vector<PairModel>& memory);
 
 }  // namespace edvo
