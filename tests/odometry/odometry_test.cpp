@@ -7,10 +7,13 @@
 #include "edvo/io/prefetch.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "support/matchers.hpp"
+#include "support/rendered_sequence.hpp"
 #include "support/shared_data.hpp"
 #include "support/synthetic_plane.hpp"
 
 #include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
 
 namespace edvo {
 namespace {
@@ -49,6 +52,33 @@ TEST(Odometry, FollowsACameraAlongAPlane) {
   }
   EXPECT_EQ(odometry.trajectory().size(), 20U);
   EXPECT_GE(odometry.keyframes().size(), 2U);
+}
+
+// One view of a room, at different times.
+RgbdImage still(int i, bool blurred) {
+  static const RgbdImage sharp =
+      synth::make_frame(test::make_sequence({.frames = 1, .sensor = {}}, test::kQvgaCamera), 0);
+  RgbdImage image = sharp;
+  image.stamp = stamp_of(i);
+  if (!blurred) return image;
+  image.bgr = sharp.bgr.clone();
+  cv::GaussianBlur(sharp.bgr, image.bgr, {}, 6, 1);
+  return image;
+}
+
+TEST(Odometry, ABlurredKeyframeGivesWayToTheFirstSharpFrame) {
+  Odometry odometry({test::kQvgaCamera, {}}, preset(Method::kCannyCorner));
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(odometry.process(still(i, true)).keyframe.has_value(), i == 0) << i;
+  EXPECT_EQ(odometry.process(still(6, false)).keyframe, KeyframeReason::kSharper);
+  EXPECT_EQ(odometry.process(still(7, false)).keyframe, std::nullopt);
+}
+
+TEST(Odometry, ASharpKeyframeStaysWhileFramesAreBlurred) {
+  Odometry odometry({test::kQvgaCamera, {}}, preset(Method::kCannyCorner));
+  for (int i = 0; i < 3; ++i) (void)odometry.process(still(i, false));
+  for (int i = 3; i < 8; ++i)
+    EXPECT_EQ(odometry.process(still(i, true)).keyframe, std::nullopt) << i;
 }
 
 TEST(Odometry, KeyframesComeByPeriod) {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 namespace edvo {
 namespace {
 
@@ -39,6 +41,32 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
     EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
     EXPECT_NEAR(window[k].gain, 1, 0.02);
   }
+}
+
+// What a pair of views of one pattern, the second blurred or not, says of their motion.
+PairModel pair_of(bool blur, double own_sigma) {
+  const WindowOptions options{.own_sigma = own_sigma};
+  Frame frame = plane_frame(SE3{});
+  cv::RNG random(1);
+  random.fill(frame.levels.front().gray, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(frame.levels.front().gray.clone(), frame.levels.front().gray, {}, 1, 1);
+  const WindowKeyframe host = make_window_keyframe(frame, SE3{}, grid_pixels(frame, 41), options);
+  WindowKeyframe target = host;
+  target.gray = host.gray.clone();
+  if (blur) cv::GaussianBlur(host.gray, target.gray, {}, 3, 1);
+  PairModel model;
+  update_pair(pair_constants(kVgaCamera, options), host, target, 0.1, model);
+  return model;
+}
+
+TEST(Window, AKeyframeThatIsBlurredSaysLess) {
+  const auto information = [](const PairModel& model) { return model.sums.hessian[0]; };
+  const PairModel blurred = pair_of(true, 0.6);
+  const float times = 0.6F * blurred.sigma / static_cast<float>(WindowOptions{}.sigma);
+  ASSERT_GT(times, 1.5F);
+  // Huber's weights are larger where sigma is, so not quite times^2.
+  EXPECT_LT(information(blurred), information(pair_of(true, 0)) / times);
+  EXPECT_EQ(information(pair_of(false, 0.6)), information(pair_of(false, 0)));
 }
 
 TEST(Window, IsRefinedInPartsToTheSamePosesAsAtOnce) {

@@ -33,6 +33,8 @@ struct Frame {
   std::vector<Level> levels;  // 0 = full size; level l is pyrDown of level l - 1
   cv::Mat_<float> depth;      // H x W of level 0, [m], NaN = none
   cv::Mat bgr;                // the distorted original; undistorted by who needs colour
+  // Mean squared gradient of the image at half size [grey levels^2]: motion blur lowers it.
+  double sharpness = 0;
   // Only where asked for: of every level, distance to the nearest edge, truncated [px of the
   // level].
   std::vector<cv::Mat_<float>> edge_distance{};

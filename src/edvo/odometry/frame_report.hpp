@@ -25,6 +25,7 @@ enum class KeyframeReason {
   kMotion,   // ||xi|| passed Omega
   kOverlap,  // too few of the keyframe's points are still in view
   kInliers,  // too few of the points in view still fit
+  kSharper,  // residuals are large, and the frame is sharper than the keyframe
   kLost,     // tracking starts again here
 };
 
@@ -71,6 +72,7 @@ struct EnumNames<KeyframeReason> {
       {KeyframeReason::kMotion, "motion"},
       {KeyframeReason::kOverlap, "overlap"},
       {KeyframeReason::kInliers, "inliers"},
+      {KeyframeReason::kSharper, "sharper"},
       {KeyframeReason::kLost, "lost"},
   });
 };

@@ -24,6 +24,7 @@ constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: 
 constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
 constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
+constexpr double kPoorFit = 1.5;        // times the usual sigma: a blurred keyframe may be why
 
 // The pose of a frame hangs on its keyframe's.
 struct FrameLink {
@@ -78,10 +79,11 @@ struct Odometry::State {
   std::vector<FrameLink> frames;  // tracked frames
   std::optional<Stamp> newest;    // of all images
   std::int64_t images = 0;
-  double usual_sigma = 0;  // of tracked frames' residuals, 0 = none yet [grey levels]
-  int since_keyframe = 0;  // frames
-  int lost_in_a_row = 0;   // frames
-  int two_motions = 0;     // frames for which to reckon with something that moves on its own
+  double usual_sigma = 0;    // of tracked frames' residuals, 0 = none yet [grey levels]
+  int since_keyframe = 0;    // frames
+  int lost_in_a_row = 0;     // frames
+  double key_sharpness = 0;  // of the last keyframe's image
+  int two_motions = 0;       // frames for which to reckon with something that moves on its own
 
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
@@ -89,6 +91,7 @@ struct Odometry::State {
   Guesses guesses(const Frame& frame);
   TrackResult align(const Frame& frame, const Guesses& guesses);
   TrackResult second_look(const Frame& frame, const TrackResult& first);
+  bool outdone_by(const Frame& frame, const TrackResult& result) const;
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
@@ -181,6 +184,14 @@ TrackResult Odometry::State::second_look(const Frame& frame, const TrackResult& 
   return second;
 }
 
+// A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
+// is, however little it has moved: the pose may drift by centimetres while the camera stands still.
+bool Odometry::State::outdone_by(const Frame& frame, const TrackResult& result) const {
+  const double factor = config.keyframes.sharper;
+  return factor > 0 && result.sigma > kPoorFit * usual_sigma &&
+         frame.sharpness > factor * key_sharpness;
+}
+
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
 bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_camera,
                                    FrameReport& report) {
@@ -207,6 +218,7 @@ bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_cam
   report.milliseconds.window = watch.lap();
   report.world_from_camera = map.keyframes().back().world_from_camera;
   alignment = {};
+  key_sharpness = frame.sharpness;
   since_keyframe = 0;
   return true;
 }
@@ -256,7 +268,8 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   report.information = result.information;
   report.world_from_camera = world_from_key * key_from_camera;
   frames.push_back({frame.stamp, map.keyframes().size() - 1, key_from_camera});
-  const auto due = keyframe_due(result, since_keyframe, config.keyframes);
+  std::optional<KeyframeReason> due = keyframe_due(result, since_keyframe, config.keyframes);
+  if (!due && outdone_by(frame, result)) due = KeyframeReason::kSharper;
   if (due && add_keyframe(frame, report.world_from_camera, report)) {
     report.keyframe = due;
     frames.back() = {frame.stamp, map.keyframes().size() - 1, SE3{}};

@@ -3,10 +3,13 @@
 
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
+#include "edvo/track/bilinear.hpp"
+#include "edvo/track/robust.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 namespace edvo {
 namespace {
@@ -142,7 +145,8 @@ PairConstants pair_constants(const Camera& camera, const WindowOptions& options)
           .cy = static_cast<float>(camera.cy),
           .limit_u = static_cast<float>(camera.width) - 1 - kMargin,
           .limit_v = static_cast<float>(camera.height) - 1 - kMargin,
-          .inverse_sigma = static_cast<float>(1 / options.sigma),
+          .sigma = static_cast<float>(options.sigma),
+          .own_sigma = static_cast<float>(options.own_sigma),
           .huber = huber,
           .most = huber * (kSaturation - 0.5F * huber) * kPatchSize,
           .geometric = static_cast<float>(options.geometric),
@@ -156,6 +160,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
   const auto& R = g.rotation;
   const auto& t = g.translation;
   double total = 0;
+  const float inverse_sigma = 1 / c.sigma;
   const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const WindowPoint& point = points[i];
@@ -190,7 +195,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
     Samples image;
     sample(target.gray, u, v, image);
     const Floats radiance = lanes(point.intensity.data()) - g.bias_host;
-    const Floats r = (image.value - g.gain * radiance - g.bias_target) * c.inverse_sigma;
+    const Floats r = (image.value - g.gain * radiance - g.bias_target) * inverse_sigma;
     const Floats size = r < 0.F ? -r : r;
     const Floats inlier = size < c.huber ? size : Floats{} + c.huber;
     const Floats larger = size > c.huber ? size : Floats{} + c.huber;
@@ -234,7 +239,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
     }
     total += static_cast<double>(cost);
 
-    const float s = c.inverse_sigma, s2 = s * s;
+    const float s = inverse_sigma, s2 = s * s;
     const float fx = c.fx, fy = c.fy, px = x[0], py = y[0];
     const float unit = -static_cast<float>(kBrightnessUnit);
     // d (u, v) / d xi at the centre; two zeros pad to the brightness columns.
@@ -295,8 +300,50 @@ double pixels_moved(const SE3& motion, const WindowKeyframe& host, const PairCon
          std::max(rotation_angle(motion), mean * motion.translation.norm());
 }
 
+struct Seen {
+  float u, v;       // [px]
+  float inverse_z;  // [1 / m]
+};
+
+// Where a target has a host's point; nothing where it is not in view.
+std::optional<Seen> see(const PairConstants& c, const PairGeometry& g, const WindowPoint& point) {
+  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(g.rotation.data());
+  const Eigen::Map<const Eigen::Vector3f> t(g.translation.data());
+  const auto rho = static_cast<float>(point.inverse_depth);
+  const Eigen::Vector3f ray((point.u - c.cx) / c.fx, (point.v - c.cy) / c.fy, 1);
+  const Eigen::Vector3f q = R * ray + rho * t;
+  const Seen seen{c.fx * q.x() / q.z() + c.cx, c.fy * q.y() / q.z() + c.cy, rho / q.z()};
+  const bool visible = q.z() > kLeastScale && seen.u >= kMargin && seen.v >= kMargin &&
+                       seen.u < c.limit_u && seen.v < c.limit_v;
+  return visible ? std::optional(seen) : std::nullopt;
+}
+
+// Sigma of the photometric residuals, by some points' own pixels [grey levels].
+float shown_sigma(const PairConstants& c, const PairGeometry& g,
+                  const std::vector<WindowPoint>& points, const WindowKeyframe& target) {
+  constexpr std::size_t kEvery = 2;  // points: enough for a median
+  std::vector<float> residuals;
+  residuals.reserve(points.size() / kEvery + 1);
+  for (std::size_t i = 0; i < points.size(); i += kEvery)
+    if (const std::optional<Seen> seen = see(c, g, points[i]))
+      residuals.push_back(bilinear(target.gray, seen->u, seen->v) -
+                          g.gain * (points[i].intensity[0] - g.bias_host) - g.bias_target);
+  return mad_sigma(residuals);
+}
+
+// Two keyframes that fit badly, since one is blurred, say less of where they are: with their
+// images, and with their depth, which was taken in the same motion.
+PairConstants weighed(PairConstants c, float shown) {
+  const float sigma = std::max(c.sigma, c.own_sigma * shown);
+  const float ratio = c.sigma / sigma;
+  c.geometric *= ratio * ratio;
+  c.sigma = sigma;
+  return c;
+}
+
 void linearize_pair(const PairConstants& c, const WindowKeyframe& host,
                     const WindowKeyframe& target, const SE3& target_from_host, PairModel& model) {
+  const bool first = model.depths.empty();
   model.host = host.stamp;
   model.target = target.stamp;
   model.linearized_at = model.target_from_host = target_from_host;
@@ -309,7 +356,8 @@ void linearize_pair(const PairConstants& c, const WindowKeyframe& host,
   model.sums = {};
   model.depth_systems.assign(host.points.size(), {});
   model.coupling.resize(host.points.size() * kN);
-  model.cost = add_pair(c, model.geometry, host.points, target, model.sums,
+  if (first) model.sigma = shown_sigma(c, model.geometry, host.points, target);
+  model.cost = add_pair(weighed(c, model.sigma), model.geometry, host.points, target, model.sums,
                         model.depth_systems.data(), model.coupling.data());
 }
 
@@ -376,21 +424,13 @@ void append_depth_errors(const PairConstants& c, const PairGeometry& g,
                          const std::vector<WindowPoint>& points, const WindowKeyframe& target,
                          std::vector<float>& errors) {
   constexpr std::size_t kEvery = 4;  // points: enough for a median
-  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(g.rotation.data());
-  const Eigen::Map<const Eigen::Vector3f> t(g.translation.data());
   for (std::size_t i = 0; i < points.size(); i += kEvery) {
-    const WindowPoint& point = points[i];
-    const auto rho = static_cast<float>(point.inverse_depth);
-    const Eigen::Vector3f ray((point.u - c.cx) / c.fx, (point.v - c.cy) / c.fy, 1);
-    const Eigen::Vector3f q = R * ray + rho * t;
-    const float u = c.fx * q.x() / q.z() + c.cx, v = c.fy * q.y() / q.z() + c.cy;
-    const bool visible =
-        q.z() > kLeastScale && u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v;
-    if (!visible) continue;
-    const float seen =
-        target.inverse_depth(static_cast<int>(0.5F * v + 0.5F), static_cast<int>(0.5F * u + 0.5F));
+    const std::optional<Seen> at = see(c, g, points[i]);
+    if (!at) continue;
+    const float seen = target.inverse_depth(static_cast<int>(0.5F * at->v + 0.5F),
+                                            static_cast<int>(0.5F * at->u + 0.5F));
     const float bias = c.depth_bias * seen;
-    errors.push_back((rho / q.z() - seen) / std::sqrt(c.depth_variance + bias * bias));
+    errors.push_back((at->inverse_z - seen) / std::sqrt(c.depth_variance + bias * bias));
   }
 }
 

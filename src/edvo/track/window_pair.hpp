@@ -29,7 +29,7 @@ struct PairGeometry {
 // What does not change during a linearization.
 struct PairConstants {
   float fx, fy, cx, cy, limit_u, limit_v;
-  float inverse_sigma, huber, most;
+  float sigma, own_sigma, huber, most;
   float geometric, depth_variance, depth_bias;
 };
 
@@ -42,6 +42,7 @@ struct PairSums {
 
 [[nodiscard]] PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& target);
 
+// own_sigma is for update_pair.
 [[nodiscard]] PairConstants pair_constants(const Camera& camera, const WindowOptions& options);
 
 // Adds all points of a host as seen in a target. coupling: (points) x kKeyframeUnknowns of this
@@ -58,6 +59,7 @@ struct PairModel {
   SE3 target_from_host;       // the state now
   double gain = 1;            // I = gain * I_host + offset
   double offset = 0;          // [grey levels]
+  float sigma = 0;            // of the photometric residuals, found at the first linearization
   std::vector<float> depths;  // of the host's points, inverse [1 / m]
   double cost = 0;
   PairSums sums;
