@@ -155,8 +155,8 @@ TEST(EdgeDistance, LeavesAPhotometricAlignmentWhereItIs) {
   const Frame key = card_frame(cards(0, 0));
   const Frame moved = card_frame(cards(4, 3));
   const SE3 truth = motion(4 * 2.0 / 525, 3 * 2.0 / 525, 0, 0, 0, 0);
-  const TrackResult result =
-      track(card_reference(key, 40), moved, {}, {.geometric = 0, .edge_distance = 0.1});
+  const TrackResult result = track(card_reference(key, 40), moved, {},
+                                   {.step_tolerance = 0.01, .geometric = 0, .edge_distance = 0.1});
   EXPECT_EQ(result.status, TrackStatus::kTracked);
   EXPECT_THAT(result.alignment.cur_from_ref, NearPose(truth, 5e-4));
 }

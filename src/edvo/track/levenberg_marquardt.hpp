@@ -20,7 +20,23 @@ struct LinearSystem {
 struct MinimizeOptions {
   int max_iterations = 30;
   double initial_lambda = 1e-3;  // relative to the diagonal of the Hessian
-  double step_tolerance = 1e-5;  // see PoseProblem::step_size
+  double step_tolerance = 1e-5;  // of all steps still to come, see Problem::step_size
+};
+
+// The length of a step and of all that would follow if each were as much shorter than the one
+// before as this one is. Robust losses converge so, slowly where much does not fit: a short step
+// alone does not tell that the end is near.
+class StepsToCome {
+ public:
+  [[nodiscard]] double from(double step) const {
+    const double rate = last_ > 0 ? std::min(step / last_, kSlowest) : 0.5;
+    return step / (1 - rate);
+  }
+  void take(double step) { last_ = step; }
+
+ private:
+  static constexpr double kSlowest = 0.95;
+  double last_ = 0;  // step taken, 0 = none
 };
 
 struct MinimizeSummary {
@@ -44,12 +60,14 @@ requires LeastSquaresProblem<Problem, X> MinimizeSummary minimize(const Problem&
   MinimizeSummary summary{.iterations = 1, .cost = system.cost, .converged = false};
   using Vector = decltype(system.gradient);
   double lambda = options.initial_lambda, growth = 2;
+  StepsToCome to_come;
   while (summary.iterations < options.max_iterations) {
     auto damped = system.hessian;
     damped.diagonal() *= 1 + lambda;
     const Vector step = -damped.ldlt().solve(system.gradient);
     if (!step.allFinite()) return summary;
-    if (problem.step_size(step) < options.step_tolerance) {
+    const double size = problem.step_size(step);
+    if (to_come.from(size) < options.step_tolerance) {
       summary.converged = true;
       return summary;
     }
@@ -60,6 +78,7 @@ requires LeastSquaresProblem<Problem, X> MinimizeSummary minimize(const Problem&
     const double gain = (system.cost - next.cost) / predicted;
     if (next.cost < system.cost && std::isfinite(next.cost)) {
       x = candidate;
+      to_come.take(size);
       system = next;
       summary.cost = system.cost;
       lambda *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3));

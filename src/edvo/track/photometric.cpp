@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace edvo {
 namespace {
 
 constexpr int kUnknowns = 8;
-constexpr int kProducts = kUnknowns * (kUnknowns + 1) / 2;
+constexpr int kColumns = kUnknowns - 1;  // of the Jacobian; the bias' is the same for all points
 constexpr int kPoseProducts = 21;
 constexpr std::size_t kBlock = 256;   // sums of floats stay short, sums of blocks are double
 constexpr float kSurfaceTukey = 6.F;  // [sigmas] farther off, it is another surface
@@ -62,14 +63,17 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     const Ints column = __builtin_convertvector(u, Ints) & visible;
     const Ints row = __builtin_convertvector(v, Ints) & visible;
     const Ints offset = row * stride + column;
-    Ints top_left, top_right, bottom_left, bottom_right;
+    Ints top, bottom;  // two neighbours each, the left one in the low byte
     for (std::size_t k = 0; k < kLanes; ++k) {
+      std::uint16_t pair;
       const std::uint8_t* p = pixels + offset[k];
-      top_left[k] = p[0];
-      top_right[k] = p[1];
-      bottom_left[k] = p[stride];
-      bottom_right[k] = p[stride + 1];
+      std::memcpy(&pair, p, sizeof pair);
+      top[k] = pair;
+      std::memcpy(&pair, p + stride, sizeof pair);
+      bottom[k] = pair;
     }
+    const Ints top_left = top & 255, bottom_left = bottom & 255;
+    const Ints top_right = top >> 8, bottom_right = bottom >> 8;
     const Floats a = u - __builtin_convertvector(column, Floats);
     const Floats b = v - __builtin_convertvector(row, Floats);
     const Floats upper = __builtin_convertvector(top_left, Floats) +
@@ -83,26 +87,20 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
   }
 }
 
-// What one loop sums, as floats.
-struct Accumulated {
-  std::array<float, kProducts> products;  // of the Jacobian's columns, row by row from the diagonal
-  std::array<float, kUnknowns> gradient;
-  float cost;
-};
-
 struct LossConstants {
   Loss loss;
-  float parameter, inverse_sigma, gain, outside;
+  float parameter, inverse_sigma, outside;
 };
 
-EDVO_CLONES void photometric_loop(const ReferenceLevel& reference, const float* residuals,
-                                  std::size_t first, std::size_t last, const LossConstants& c,
-                                  Accumulated& out) {
-  Floats products[kProducts] = {}, gradient[kUnknowns] = {}, cost = {};
+// What each point of a block weighs, and that times its residual. Returns the cost.
+EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights, std::size_t count,
+                              const LossConstants& c, float* __restrict weights,
+                              float* __restrict weighted) {
+  Floats cost = {};
   const Floats zero = {};
-  for (std::size_t i = first; i < last; i += kLanes) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
     const Floats& residual = lanes(residuals + i);
-    const Floats& point_weight = lanes(&reference.weight[i]);
+    const Floats& point_weight = lanes(point_weights + i);
     const Ints seen = residual == residual;
     const Floats r = seen ? residual : zero;
     const Floats s = r * c.inverse_sigma;
@@ -112,6 +110,12 @@ EDVO_CLONES void photometric_loop(const ReferenceLevel& reference, const float* 
       const Floats inlier = size < c.parameter ? size : zero + c.parameter;
       loss = inlier * (size - 0.5F * inlier);
       weight = size > c.parameter ? c.parameter / size : zero + 1.F;
+    } else if (c.loss == Loss::kTukey) {
+      const float square = c.parameter * c.parameter;
+      const Floats left = 1.F - s * s / square;
+      const Floats inlier = left > 0.F ? left : zero;
+      loss = square / 6.F * (1.F - inlier * inlier * inlier);
+      weight = inlier * inlier;
     } else {
       for (std::size_t k = 0; k < kLanes; ++k) {
         const RobustValue value = robust(c.loss, c.parameter, s[k]);
@@ -121,24 +125,83 @@ EDVO_CLONES void photometric_loop(const ReferenceLevel& reference, const float* 
     }
     cost += (seen ? loss : zero + c.outside) * point_weight;
     const Floats w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;
-    const Floats j[kUnknowns] = {
-        c.gain * lanes(&reference.jacobian[0][i]), c.gain * lanes(&reference.jacobian[1][i]),
-        c.gain * lanes(&reference.jacobian[2][i]), c.gain * lanes(&reference.jacobian[3][i]),
-        c.gain * lanes(&reference.jacobian[4][i]), c.gain * lanes(&reference.jacobian[5][i]),
-        -lanes(&reference.intensity[i]),           zero - kIntensityUnit};
-    int product = 0;
-#pragma GCC unroll 8
-    for (int a = 0; a < kUnknowns; ++a) {
-      const Floats wj = w * j[a];
-#pragma GCC unroll 8
-      for (int b = a; b < kUnknowns; ++b) products[product++] += wj * j[b];
-      gradient[a] += wj * r;
-    }
+    lanes(weights + i) = w;
+    lanes(weighted + i) = w * r;
   }
-  for (std::size_t p = 0; p < kProducts; ++p) out.products[p] = sum_of(products[p]);
-  for (std::size_t a = 0; a < kUnknowns; ++a) out.gradient[a] = sum_of(gradient[a]);
-  out.cost = sum_of(cost);
+  return sum_of(cost);
 }
+
+// Sums over a block: of weighted products of columns (from the diagonal on), of weighted columns,
+// of columns times weighted residuals, and of weights and weighted residuals themselves.
+struct ColumnSums {
+  std::array<std::array<float, kColumns>, kColumns> products;
+  std::array<float, kColumns> sums, gradient;
+  float weights, weighted;
+};
+
+using Columns = std::array<const float*, kColumns>;
+
+// What has column a as the first of a product: few enough sums to stay in registers.
+template <int a>
+[[gnu::always_inline]] inline void sum_column(const Columns& columns, const float* weights,
+                                              const float* weighted, std::size_t count,
+                                              ColumnSums& out) {
+  Floats products[kColumns - a] = {}, sum = {}, gradient = {};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Floats& column = lanes(columns[a] + i);
+    const Floats w = lanes(weights + i) * column;
+    sum += w;
+    gradient += lanes(weighted + i) * column;
+#pragma GCC unroll 8
+    for (int b = a; b < kColumns; ++b)
+      products[b - a] += w * lanes(columns[static_cast<std::size_t>(b)] + i);
+  }
+  for (int b = a; b < kColumns; ++b)
+    out.products[a][static_cast<std::size_t>(b)] = sum_of(products[b - a]);
+  out.sums[a] = sum_of(sum);
+  out.gradient[a] = sum_of(gradient);
+}
+
+EDVO_CLONES void sum_columns(const Columns& columns, const float* weights, const float* weighted,
+                             std::size_t count, ColumnSums& out) {
+  sum_column<0>(columns, weights, weighted, count, out);
+  sum_column<1>(columns, weights, weighted, count, out);
+  sum_column<2>(columns, weights, weighted, count, out);
+  sum_column<3>(columns, weights, weighted, count, out);
+  sum_column<4>(columns, weights, weighted, count, out);
+  sum_column<5>(columns, weights, weighted, count, out);
+  sum_column<6>(columns, weights, weighted, count, out);
+  Floats all = {}, residuals = {};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    all += lanes(weights + i);
+    residuals += lanes(weighted + i);
+  }
+  out.weights = sum_of(all);
+  out.weighted = sum_of(residuals);
+}
+
+// The Jacobian's columns are the reference's times the gain, -intensity, and -kIntensityUnit.
+void add(const ColumnSums& block, double gain, PhotometricSums& sums) {
+  constexpr double kUnit = static_cast<double>(kIntensityUnit);
+  const auto times = [&](int column) { return column < kColumns - 1 ? gain : -1.0; };
+  for (int a = 0; a < kColumns; ++a) {
+    const auto row = static_cast<std::size_t>(a);
+    for (int b = a; b < kColumns; ++b)
+      sums.hessian(a, b) += times(a) * times(b) *
+                            static_cast<double>(block.products[row][static_cast<std::size_t>(b)]);
+    sums.hessian(a, kColumns) -= kUnit * times(a) * static_cast<double>(block.sums[row]);
+    sums.gradient[a] += times(a) * static_cast<double>(block.gradient[row]);
+  }
+  sums.hessian(kColumns, kColumns) += kUnit * kUnit * static_cast<double>(block.weights);
+  sums.gradient[kColumns] -= kUnit * static_cast<double>(block.weighted);
+}
+
+// What the loop over the surface sums, as floats.
+struct Accumulated {
+  std::array<float, kPoseProducts> products;  // of the Jacobian's columns, from the diagonal on
+  std::array<float, 6> gradient;
+  float cost;
+};
 
 struct SurfaceConstants {
   View view;
@@ -207,13 +270,10 @@ EDVO_CLONES void surface_loop(const SurfacePoints& surface, const cv::Mat_<float
   out.cost = sum_of(cost);
 }
 
-// Adds to an upper triangle what a loop has summed.
-template <typename Sums>
-void add(const Accumulated& from, int unknowns, Sums& sums) {
+void add(const Accumulated& from, PoseSums& sums) {
   std::size_t product = 0;
-  for (int a = 0; a < unknowns; ++a) {
-    for (int b = a; b < unknowns; ++b)
-      sums.hessian(a, b) += static_cast<double>(from.products[product++]);
+  for (int a = 0; a < 6; ++a) {
+    for (int b = a; b < 6; ++b) sums.hessian(a, b) += static_cast<double>(from.products[product++]);
     sums.gradient[a] += static_cast<double>(from.gradient[static_cast<std::size_t>(a)]);
   }
   sums.cost += static_cast<double>(from.cost);
@@ -235,14 +295,20 @@ PhotometricSums sum_photometric(const ReferenceLevel& reference,
   const LossConstants constants{.loss = loss,
                                 .parameter = loss_parameter,
                                 .inverse_sigma = 1.F / sigma,
-                                .gain = static_cast<float>(gain),
                                 .outside = robust(loss, loss_parameter, kInlierSigmas).cost};
   PhotometricSums sums;
-  Accumulated block;
+  std::array<float, kBlock> weights, weighted;
+  ColumnSums block;
   for (std::size_t first = 0; first < residuals.size(); first += kBlock) {
-    photometric_loop(reference, residuals.data(), first, std::min(first + kBlock, residuals.size()),
-                     constants, block);
-    add(block, kUnknowns, sums);
+    const std::size_t count = std::min(kBlock, residuals.size() - first);
+    sums.cost +=
+        static_cast<double>(weigh_block(residuals.data() + first, reference.weight.data() + first,
+                                        count, constants, weights.data(), weighted.data()));
+    Columns columns;
+    for (std::size_t k = 0; k < 6; ++k) columns[k] = reference.jacobian[k].data() + first;
+    columns[6] = reference.intensity.data() + first;
+    sum_columns(columns, weights.data(), weighted.data(), count, block);
+    add(block, gain, sums);
   }
   return sums;
 }
@@ -256,7 +322,7 @@ PoseSums sum_surface(const SurfacePoints& surface, const Camera& camera,
   for (std::size_t first = 0; first < surface.x.size(); first += kBlock) {
     surface_loop(surface, depth, constants, first, std::min(first + kBlock, surface.x.size()),
                  block);
-    add(block, 6, sums);
+    add(block, sums);
   }
   return sums;
 }

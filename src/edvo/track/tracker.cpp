@@ -15,6 +15,7 @@ using Vector8d = Eigen::Matrix<double, 8, 1>;
 
 constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;  // [grey levels]
+constexpr double kOnlyAStart = 3.0;  // times the tolerance of steps at all but the finest level
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
 constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
@@ -190,22 +191,24 @@ TrackResult track(const Reference& reference, const Frame& frame, const Alignmen
                   const TrackOptions& options, TrackScratch& scratch) {
   TrackResult result{.alignment = guess};
   const int coarsest = std::min(options.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
-  for (int l = coarsest; l >= std::min(options.finest_level, coarsest); --l) {
+  const int finest = std::min(options.finest_level, coarsest);
+  for (int l = coarsest; l >= finest; --l) {
     const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(l)];
     LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, scratch);
     const float sigma = residual_sigma(problem.residuals(result.alignment), options);
     problem.set_sigma(sigma);
     if (options.geometric > 0) problem.set_depth_noise(result.alignment.cur_from_ref);
-    const MinimizeSummary summary = minimize(
-        problem, result.alignment,
-        {.max_iterations = options.max_iterations, .step_tolerance = options.step_tolerance});
+    const MinimizeSummary summary =
+        minimize(problem, result.alignment,
+                 {.max_iterations = options.max_iterations,
+                  .step_tolerance = (l > finest ? kOnlyAStart : 1.0) * options.step_tolerance});
     result.levels.push_back(
         {.level = l,
          .iterations = summary.iterations,
          .points = static_cast<int>(points.count),
          .cost = summary.cost / std::max<double>(1.0, static_cast<double>(points.count)),
          .converged = summary.converged});
-    if (l > std::min(options.finest_level, coarsest)) continue;
+    if (l > finest) continue;
 
     const std::vector<float>& all = problem.residuals(result.alignment);
     const float spread = residual_sigma(all, options);

@@ -20,7 +20,7 @@ struct TrackOptions {
   double min_sigma = 2.0;                         // [grey levels]
   double softness = ReferenceOptions{}.softness;  // [grey levels / px]
   int max_iterations = 30;
-  double step_tolerance = 0.01;  // [px]
+  double step_tolerance = 0.05;  // [px]
   bool brightness = true;
   double geometric = 0.2;
   double depth_noise = 0.003;  // [1 / m]
@@ -48,7 +48,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "gradient at which a pixel's weight is halved [grey levels / px]");
   visit("max_iterations", self.max_iterations, Range{1, 1000}, "linearizations per level");
   visit("step_tolerance", self.step_tolerance, Range{1e-6, 1},
-        "a step that moves pixels by less ends the level [px of that level]");
+        "steps still to come that move pixels by less end the finest level, thrice that the others "
+        "[px]");
   visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
   visit("geometric", self.geometric, Range{0, 1e3},
         "weight of the point-to-plane residuals of depth; 0 = off");

@@ -16,8 +16,8 @@ struct WindowOptions {
   int keyframes = 7;
   int anchors = 5;
   int memory = 100;
-  int points = 400;
-  int iterations = 8;
+  int points = 300;
+  int iterations = 5;
   double tolerance = 5e-4;
   double sigma = 6.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/track/levenberg_marquardt.hpp"
+
+#include <gtest/gtest.h>
+
+namespace edvo {
+namespace {
+
+TEST(StepsToCome, AreKnownFromTwoStepsWhereEachIsAsMuchShorter) {
+  StepsToCome to_come;
+  to_come.take(1.0);
+  EXPECT_DOUBLE_EQ(to_come.from(0.75), 3.0);  // 0.75 + 0.75^2 + ...
+  to_come.take(0.75);
+  EXPECT_DOUBLE_EQ(to_come.from(0.0), 0.0);
+}
+
+TEST(StepsToCome, AreFiniteWhereStepsGrow) {
+  StepsToCome to_come;
+  EXPECT_DOUBLE_EQ(to_come.from(1.0), 2.0);  // nothing is known yet
+  to_come.take(1.0);
+  EXPECT_NEAR(to_come.from(2.0), 40.0, 1e-9);
+}
+
+// |x| by Newton's steps whose curvature is ten times the true one, as the weights of a robust loss
+// make it: every step goes a tenth of the way.
+struct Slow {
+  static LinearSystem<1> linearize(double x) {
+    LinearSystem<1> system;
+    system.hessian(0, 0) = 10;
+    system.gradient[0] = x;
+    system.cost = 0.5 * x * x;
+    return system;
+  }
+  static double update(double x, const Eigen::Matrix<double, 1, 1>& step) { return x + step[0]; }
+  static double step_size(const Eigen::Matrix<double, 1, 1>& step) { return std::abs(step[0]); }
+};
+
+TEST(LevenbergMarquardt, IsNotContentWithShortStepsFarFromTheEnd) {
+  double x = 1;
+  const MinimizeSummary summary =
+      minimize(Slow{}, x, {.max_iterations = 1000, .step_tolerance = 0.02});
+  EXPECT_TRUE(summary.converged);
+  EXPECT_LT(std::abs(x), 0.025);  // the step alone is that short at 0.2
+}
+
+}  // namespace
+}  // namespace edvo
