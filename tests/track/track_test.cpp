@@ -172,6 +172,21 @@ TEST(Tracker, RecoversAMotionOnAPlane) {
   }
 }
 
+TEST(Tracker, FindsTheCameraWhereItIsExpectedOnlyAsFarAsThatIsCertain) {
+  const Frame key = plane_frame({});
+  const Reference reference = make_reference(key, grid_pixels(key, 9), {});
+  const SE3 truth = motion(0.02, 0, 0, 0, 0.01, 0);
+  const Frame frame = plane_frame(truth);
+  const Eigen::Vector3d expected = truth.translation + Eigen::Vector3d(0.01, -0.02, 0.01);
+  TrackScratch scratch;
+  const auto centre_by = [&](double sigma) -> Eigen::Vector3d {
+    const TrackResult result = track(reference, frame, {}, {}, scratch, {expected, sigma});
+    return inverse(result.alignment.cur_from_ref).translation;
+  };
+  EXPECT_LT((centre_by(1e-6) - expected).norm(), 1e-4);
+  EXPECT_LT((centre_by(0.05) - truth.translation).norm(), 1e-3);
+}
+
 TEST(Tracker, EstimatesGainAndBias) {
   const Frame key = plane_frame({});
   const Reference reference = make_reference(key, grid_pixels(key, 9), {});

@@ -56,13 +56,15 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("detector", self.detector, Range{}, "none: every pixel with depth and gradient (dense)");
 }
 
-// Where tracking starts: all of the last image, coarse, against the new one.
+// What is expected of a frame: by all of the last image, coarse, against the new one, and by the
+// motion going on.
 struct CoarseOptions {
   bool enabled = true;
   int finest_level = 3;
   int coarsest_level = 5;
   int step = 16;             // [px]
   double second_look = 1.4;  // [1]
+  double acceleration = 10;  // [m / s^2]
 };
 
 template <typename Self, typename Visitor>
@@ -74,6 +76,9 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("step", self.step, Range{1, 200}, "one point every so many pixels and rows [px]");
   visit("second_look", self.second_look, Range{0, 1e6},
         "residuals this many times the usual ones have fine levels tried alone; 0 = always");
+  visit(
+      "acceleration", self.acceleration, Range{0, 1e6},
+      "sigma of the camera's acceleration, by which its motion goes on; 0 = any motion [m / s^2]");
 }
 
 // When a frame becomes a keyframe (paper, section III-C, fig. 4).
@@ -126,7 +131,7 @@ void visit_groups(Self& self, Visitor&& visit) {
   visit("network", self.network, "edges by a network (section III-A)");
   visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
-  visit("coarse", self.coarse, "first guess of a frame's motion");
+  visit("coarse", self.coarse, "what is expected of a frame's motion");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");
   visit("keyframes", self.keyframes, "when a frame becomes a keyframe (section III-C)");
   visit("window", self.window, "joint refinement of the last keyframes");

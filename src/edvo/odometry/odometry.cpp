@@ -22,6 +22,7 @@ constexpr double kInDoubt = 1.25;       // the same of a second look while two m
 constexpr double kSecondTukey = 1.5;    // [sigmas]
 constexpr double kTwoMotions = 0.003;   // [widths of the image] between poses: not the same motion
 constexpr double kUnexpected = 0.01;    // [widths of the image] off the motion going on
+constexpr double kFarAhead = 3.0;       // times its own duration, a motion tells nothing
 constexpr int kReckoned = 15;           // frames that a second motion is reckoned with
 constexpr double kUsualShare = 0.1;     // of a new frame in the usual sigma
 constexpr double kPoorFit = 1.5;        // times the usual sigma: a blurred keyframe may be why
@@ -76,6 +77,7 @@ struct Odometry::State {
   TrackScratch scratch;
   Alignment alignment;            // of the last frame to the last keyframe
   SE3 last_from_cur;              // motion of the last two frames
+  double motion_time = 0;         // that it took, 0 = not known [s]
   std::vector<FrameLink> frames;  // tracked frames
   std::optional<Stamp> newest;    // of all images
   std::int64_t images = 0;
@@ -88,9 +90,10 @@ struct Odometry::State {
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
   Alignment moved_by(const SE3& cur_from_last) const;
+  CentrePrior expected_centre(const Stamp& stamp) const;
   Guesses guesses(const Frame& frame);
   TrackResult align(const Frame& frame, const Guesses& guesses);
-  TrackResult second_look(const Frame& frame, const TrackResult& first);
+  TrackResult second_look(const Frame& frame, const CentrePrior& prior, const TrackResult& first);
   bool outdone_by(const Frame& frame, const TrackResult& result) const;
   bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
@@ -124,6 +127,19 @@ Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
   return moved;
 }
 
+// The motion going on, as far as the camera can leave it in that time. In a fast turn images are
+// blurred, and turning and moving aside look alike; else the images know far better.
+CentrePrior Odometry::State::expected_centre(const Stamp& stamp) const {
+  if (config.coarse.acceleration == 0 || frames.empty() || motion_time <= 0) return {};
+  const double gap = seconds_between(frames.back().stamp, stamp);
+  if (gap > kFarAhead * motion_time) return {};
+  const SE3 key_from_last = inverse(alignment.cur_from_ref);
+  const Eigen::Vector3d onward =
+      inverse(last_from_cur).rotation * last_from_cur.translation * (gap / motion_time);
+  return {.centre = key_from_last * onward,
+          .sigma = config.coarse.acceleration * gap * std::max(gap, motion_time)};
+}
+
 // Where the frame could be, by its cost to the keyframe.
 Guesses Odometry::State::guesses(const Frame& frame) {
   const SE3 going_on = inverse(last_from_cur);
@@ -145,9 +161,10 @@ Guesses Odometry::State::guesses(const Frame& frame) {
 // From the likeliest guess; from the others if that fails. Looked at again where residuals are
 // large, the motion is sudden, or something else has been seen to move.
 TrackResult Odometry::State::align(const Frame& frame, const Guesses& guesses) {
+  const CentrePrior prior = expected_centre(frame.stamp);
   TrackResult result;
   for (const Alignment& guess : guesses) {
-    result = track(reference, frame, guess, config.tracking, scratch);
+    result = track(reference, frame, guess, config.tracking, scratch, prior);
     if (result.status == TrackStatus::kTracked) break;
   }
   const bool sudden = shift(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
@@ -155,21 +172,22 @@ TrackResult Odometry::State::align(const Frame& frame, const Guesses& guesses) {
   const double limit =
       sudden ? std::min(1.0, config.coarse.second_look) : config.coarse.second_look;
   const bool suspicious = two_motions > 0 || result.sigma >= limit * usual_sigma;
-  return suspicious ? second_look(frame, result) : result;
+  return suspicious ? second_look(frame, prior, result) : result;
 }
 
 // Something large that moves on its own is what coarse levels see best, and they follow it; soon
 // after a keyframe its motion explains the image as well as the camera's does. Fine levels alone,
 // from the motion going on (or from none, if that is clearly better), and deaf to what does not
 // fit, find the camera's again. Once both have differed, the benefit of the doubt is the second's.
-TrackResult Odometry::State::second_look(const Frame& frame, const TrackResult& first) {
+TrackResult Odometry::State::second_look(const Frame& frame, const CentrePrior& prior,
+                                         const TrackResult& first) {
   TrackOptions options = config.tracking;
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
   options.loss = Loss::kTukey;
   options.loss_parameter = kSecondTukey;
   TrackResult second;
   for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
-    const TrackResult other = track(reference, frame, guess, options, scratch);
+    const TrackResult other = track(reference, frame, guess, options, scratch, prior);
     if (other.status != TrackStatus::kTracked) continue;
     if (second.status == TrackStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
       second = other;
@@ -228,6 +246,7 @@ void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, Ke
                             FrameReport& report) {
   alignment = {};
   last_from_cur = {};
+  motion_time = 0;
   report.world_from_camera = world_from_camera;
   if (!add_keyframe(frame, world_from_camera, report)) return;
   report.status = reason == KeyframeReason::kFirst ? FrameStatus::kFirst : FrameStatus::kTracked;
@@ -252,6 +271,7 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   const SE3 world_from_key = map.keyframes().back().world_from_camera;
   if (result.status == TrackStatus::kLost) {
     last_from_cur = alignment.cur_from_ref * inverse(starts.front().cur_from_ref);
+    motion_time = 0;
     alignment = starts.front();
     report.world_from_camera = world_from_key * inverse(alignment.cur_from_ref);
     if (++lost_in_a_row > config.keyframes.patience)
@@ -260,6 +280,7 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   }
   const SE3 key_from_camera = inverse(result.alignment.cur_from_ref);
   last_from_cur = alignment.cur_from_ref * key_from_camera;
+  motion_time = lost_in_a_row == 0 ? seconds_between(frames.back().stamp, frame.stamp) : 0;
   alignment = result.alignment;
   lost_in_a_row = 0;
   usual_sigma += (usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - usual_sigma);

@@ -17,6 +17,7 @@ constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;  // [grey levels]
 constexpr double kOnlyAStart = 3.0;  // times the tolerance of steps at all but the finest level
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
+constexpr double kFlat = 0.1;  // [grey levels] an image of a smaller spread shows nothing
 constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
@@ -35,7 +36,7 @@ bool same(const Alignment& a, const Alignment& b) {
 class LevelProblem {
  public:
   LevelProblem(const Reference& reference, const Frame& frame, std::size_t level,
-               const TrackOptions& options, TrackScratch& scratch)
+               const TrackOptions& options, TrackScratch& scratch, const CentrePrior& prior)
       : reference_(reference.levels[level]),
         surface_(reference.surface),
         edge_points_(reference.edge_points),
@@ -45,6 +46,7 @@ class LevelProblem {
         edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
         options_(options),
         scratch_(scratch),
+        prior_(prior),
         depth_noise_(static_cast<float>(options.depth_noise)) {}
 
   // NaN where a point is not in view. Computed once for an alignment that is asked for again.
@@ -86,6 +88,7 @@ class LevelProblem {
           system);
     system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
     add_brightness_prior(alignment, system);
+    if (prior_.sigma > 0) add_centre_prior(alignment.cur_from_ref, system);
     return system;
   }
 
@@ -106,6 +109,20 @@ class LevelProblem {
     system.hessian.topLeftCorner<6, 6>() += sums.hessian;
     system.gradient.head<6>() += sums.gradient;
     system.cost += sums.cost;
+  }
+
+  // The centre is c = -R' t; a step moves it by d c = -rho + c x phi.
+  void add_centre_prior(const SE3& cur_from_ref, System& system) const {
+    const Eigen::Vector3d c = inverse(cur_from_ref).translation;
+    Eigen::Matrix<double, 3, 6> J;
+    J << -1, 0, 0, 0, -c.z(), c.y(),  //
+        0, -1, 0, c.z(), 0, -c.x(),   //
+        0, 0, -1, -c.y(), c.x(), 0;
+    const Eigen::Vector3d error = c - prior_.centre;
+    const double weight = kSharedError / (prior_.sigma * prior_.sigma);
+    system.hessian.topLeftCorner<6, 6>() += weight * J.transpose() * J;
+    system.gradient.head<6>() += weight * J.transpose() * error;
+    system.cost += 0.5 * weight * error.squaredNorm();
   }
 
   void add_brightness_prior(const Alignment& alignment, System& system) const {
@@ -130,6 +147,7 @@ class LevelProblem {
   const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
   TrackScratch& scratch_;
+  CentrePrior prior_;
   float sigma_ = 10.F;                             // [grey levels]
   float depth_noise_ = 0.F;                        // [1 / m]
   double mean_depth_ = 1.5;                        // [m]
@@ -157,8 +175,10 @@ double correlation(const ReferenceLevel& reference, const Alignment& alignment,
     bb += now * now;
     ab += before * now;
   }
-  const double spread = (n * aa - a * a) * (n * bb - b * b);
-  return spread > 0 ? (n * ab - a * b) / std::sqrt(spread) : 0.0;
+  const double spread_before = n * aa - a * a, spread_now = n * bb - b * b;
+  const double flat = n * n * kFlat * kFlat;  // below, all is rounding
+  if (!(spread_before > flat && spread_now > flat)) return 0.0;
+  return (n * ab - a * b) / std::sqrt(spread_before * spread_now);
 }
 
 }  // namespace
@@ -167,7 +187,7 @@ double coarse_cost(const Reference& reference, const Frame& frame, const Alignme
                    const TrackOptions& options, TrackScratch& scratch) {
   const std::size_t l = std::min<std::size_t>(static_cast<std::size_t>(options.coarsest_level),
                                               frame.levels.size() - 1);
-  const LevelProblem problem(reference, frame, l, options, scratch);
+  const LevelProblem problem(reference, frame, l, options, scratch, {});
   return problem.linearize(guess).cost;
 }
 
@@ -188,13 +208,13 @@ double shift(const Reference& reference, int level, const SE3& a, const SE3& b) 
 }
 
 TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
-                  const TrackOptions& options, TrackScratch& scratch) {
+                  const TrackOptions& options, TrackScratch& scratch, const CentrePrior& prior) {
   TrackResult result{.alignment = guess};
   const int coarsest = std::min(options.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
   const int finest = std::min(options.finest_level, coarsest);
   for (int l = coarsest; l >= finest; --l) {
     const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(l)];
-    LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, scratch);
+    LevelProblem problem(reference, frame, static_cast<std::size_t>(l), options, scratch, prior);
     const float sigma = residual_sigma(problem.residuals(result.alignment), options);
     problem.set_sigma(sigma);
     if (options.geometric > 0) problem.set_depth_noise(result.alignment.cur_from_ref);

@@ -93,6 +93,12 @@ struct TrackResult {
   LevelList levels;         // coarse to fine
 };
 
+// Where the camera's centre is expected, in the reference camera [m].
+struct CentrePrior {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double sigma = 0;  // [m], 0 = nothing is expected
+};
+
 // Room to work in. Who keeps it from frame to frame tracks without taking memory from the heap;
 // what is in it between two calls means nothing.
 struct TrackScratch {
@@ -102,7 +108,7 @@ struct TrackScratch {
 
 [[nodiscard]] TrackResult track(const Reference& reference, const Frame& frame,
                                 const Alignment& guess, const TrackOptions& options,
-                                TrackScratch& scratch);
+                                TrackScratch& scratch, const CentrePrior& prior = {});
 
 // The same with room of its own.
 [[nodiscard]] TrackResult track(const Reference& reference, const Frame& frame,
