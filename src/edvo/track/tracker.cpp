@@ -17,7 +17,7 @@ constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
 constexpr double kBiasSigma = 30.0;  // [grey levels]
 constexpr double kOnlyAStart = 3.0;  // times the tolerance of steps at all but the finest level
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
-constexpr double kFlat = 0.1;  // [grey levels] an image of a smaller spread shows nothing
+constexpr double kFlat = 0.1;        // [grey levels] an image of a smaller spread shows nothing
 constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
