@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One binary for every x86-64: hot functions are compiled twice and chosen at start
+// One binary for every x86-64: hot functions are compiled thrice and chosen at start
 // (docs/adr/0005).
 #pragma once
 
 // A function so marked must contain its loops itself (what it calls is compiled for the baseline).
-// Without contraction and reassociation both versions give the same bits.
+// Without contraction and reassociation all versions give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(EDVO_NO_CLONES)
 #define EDVO_CLONES __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
 #else
