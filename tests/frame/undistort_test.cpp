@@ -73,7 +73,9 @@ TEST_P(Undistort, DepthIsNeverAveragedAndNoneBeyondTheSensor) {
     for (int x = 0; x < depth.cols; ++x) {
       const float z = result(y, x);
       ASSERT_TRUE(z == 1.F || z == 3.F || std::isnan(z));
-      if (undistortion.valid(y, x) != 0) ASSERT_FALSE(std::isnan(z));
+      if (undistortion.valid(y, x) != 0) {
+        ASSERT_FALSE(std::isnan(z));
+      }
     }
 }
 
