@@ -3,8 +3,55 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace edvo {
 namespace {
+
+struct Parabola {  // cost 0.5 |x - 3|^2 in one unknown, padded
+  [[nodiscard]] LinearSystem<1> linearize(double x) const {
+    LinearSystem<1> system;
+    system.hessian(0, 0) = 1;
+    system.gradient[0] = x - 3;
+    system.cost = 0.5 * (x - 3) * (x - 3);
+    ++calls;
+    return system;
+  }
+  [[nodiscard]] double update(double x, const Eigen::Matrix<double, 1, 1>& d) const {
+    return x + d[0];
+  }
+  [[nodiscard]] double step_size(const Eigen::Matrix<double, 1, 1>& d) const {
+    return std::abs(d[0]);
+  }
+  mutable int calls = 0;
+};
+
+TEST(LevenbergMarquardt, FindsTheMinimum) {
+  double x = -50;
+  const auto summary = minimize(Parabola{}, x, {.step_tolerance = 1e-9});
+  EXPECT_TRUE(summary.converged);
+  EXPECT_NEAR(x, 3, 1e-6);
+}
+
+TEST(LevenbergMarquardt, LambdaReachesTheSolver) {
+  double x = 0;
+  (void)minimize(Parabola{}, x, {.max_iterations = 2, .initial_lambda = 9});
+  EXPECT_NEAR(x, 0.3, 1e-12);  // one step of 3 / (1 + 9)
+}
+
+struct Wall : Parabola {  // every step makes it worse
+  [[nodiscard]] LinearSystem<1> linearize(double x) const {
+    LinearSystem<1> system = Parabola::linearize(x);
+    if (x != 0) system.cost = 1e9;
+    return system;
+  }
+};
+
+TEST(LevenbergMarquardt, ARejectedStepLeavesNoTrace) {
+  double x = 0;
+  (void)minimize(Wall{}, x, {.max_iterations = 20});
+  EXPECT_EQ(x, 0);
+}
 
 TEST(StepsToCome, AreKnownFromTwoStepsWhereEachIsAsMuchShorter) {
   StepsToCome to_come;
@@ -21,8 +68,8 @@ TEST(StepsToCome, AreFiniteWhereStepsGrow) {
   EXPECT_NEAR(to_come.from(2.0), 40.0, 1e-9);
 }
 
-// |x| by Newton's steps whose curvature is ten times the true one, as the weights of a robust loss
-// make it: every step goes a tenth of the way.
+// x^2 / 2 by Newton's steps whose curvature is ten times the true one, as the weights of a robust
+// loss make it: every step goes a tenth of the way.
 struct Slow {
   static LinearSystem<1> linearize(double x) {
     LinearSystem<1> system;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/error.hpp"
 #include "edvo/frame/frame.hpp"
-#include "edvo/track/levenberg_marquardt.hpp"
 #include "edvo/track/tracker.hpp"
 #include "support/matchers.hpp"
 #include "support/plane_frame.hpp"
@@ -71,51 +70,6 @@ TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
                   0.02 * std::abs(numeric) + 400)  // half a grey level of rounding over 1 px
           << "point " << i << " component " << k;
     }
-}
-
-struct Parabola {  // cost 0.5 |x - 3|^2 in one unknown, padded
-  [[nodiscard]] LinearSystem<1> linearize(double x) const {
-    LinearSystem<1> system;
-    system.hessian(0, 0) = 1;
-    system.gradient[0] = x - 3;
-    system.cost = 0.5 * (x - 3) * (x - 3);
-    ++calls;
-    return system;
-  }
-  [[nodiscard]] double update(double x, const Eigen::Matrix<double, 1, 1>& d) const {
-    return x + d[0];
-  }
-  [[nodiscard]] double step_size(const Eigen::Matrix<double, 1, 1>& d) const {
-    return std::abs(d[0]);
-  }
-  mutable int calls = 0;
-};
-
-TEST(LevenbergMarquardt, FindsTheMinimum) {
-  double x = -50;
-  const auto summary = minimize(Parabola{}, x, {.step_tolerance = 1e-9});
-  EXPECT_TRUE(summary.converged);
-  EXPECT_NEAR(x, 3, 1e-6);
-}
-
-TEST(LevenbergMarquardt, LambdaReachesTheSolver) {
-  double x = 0;
-  (void)minimize(Parabola{}, x, {.max_iterations = 2, .initial_lambda = 9});
-  EXPECT_NEAR(x, 0.3, 1e-12);  // one step of 3 / (1 + 9)
-}
-
-struct Wall : Parabola {  // every step makes it worse
-  [[nodiscard]] LinearSystem<1> linearize(double x) const {
-    LinearSystem<1> system = Parabola::linearize(x);
-    if (x != 0) system.cost = 1e9;
-    return system;
-  }
-};
-
-TEST(LevenbergMarquardt, ARejectedStepLeavesNoTrace) {
-  double x = 0;
-  (void)minimize(Wall{}, x, {.max_iterations = 20});
-  EXPECT_EQ(x, 0);
 }
 
 TEST(Robust, WeightIsTheDerivativeOfTheCostOverTheResidual) {

@@ -4,6 +4,7 @@
 #include "edvo/core/simd.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
