@@ -213,7 +213,7 @@ void print_decoding(int argc, char** argv, const World& w, const Rates& rates) {
 }
 
 void print_images(const World& w, const Rates& rates) {
-  const auto pixels = static_cast<double>(w.first.depth.total());
+  const auto pixels = static_cast<double>(w.first.depth.size().area());
   const Undistortion distorted = make_undistortion(
       {w.undistortion.camera, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}});  // as TUM's freiburg1
   print_row("grey and undistorted, both images",
@@ -262,7 +262,7 @@ void print_tracking(const World& w, const Rates& rates) {
 }
 
 void print_keyframe(const World& w, const Rates& rates) {
-  const auto pixels = static_cast<double>(w.first.depth.total());
+  const auto pixels = static_cast<double>(w.first.depth.size().area());
   print_row("canny", {.bytes = 2 * pixels, .operations = kCannyOperations * pixels},
             seconds_of([&] { keep(canny_edges(w.first.levels.front().gray, w.config.canny)); }),
             rates);

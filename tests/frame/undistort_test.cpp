@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/frame/undistort.hpp"
+#include "edvo/frame/depth.hpp"
 
 #include "edvo/core/error.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -68,10 +69,12 @@ TEST_P(Undistort, DepthIsNeverAveragedAndNoneBeyondTheSensor) {
   cv::Mat_<float> depth(241, 323);
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x) depth(y, x) = (x + y) % 2 == 0 ? 1.F : 3.F;
-  const cv::Mat_<float> result = undistort_depth(undistortion, depth);
+  const Depth looked_up(undistortion, depth);
+  const cv::Mat_<float> result = looked_up.undistorted();
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x) {
       const float z = result(y, x);
+      ASSERT_THAT(looked_up(y, x), testing::NanSensitiveFloatEq(z));
       ASSERT_TRUE(z == 1.F || z == 3.F || std::isnan(z));
       if (undistortion.valid(y, x) != 0) {
         ASSERT_FALSE(std::isnan(z));

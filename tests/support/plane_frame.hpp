@@ -19,8 +19,8 @@ inline constexpr SyntheticPlane kPlane{.distance = 2.0};
 
 [[nodiscard]] inline std::vector<SelectedPixel> grid_pixels(const Frame& frame, int stride) {
   std::vector<SelectedPixel> pixels;
-  for (int y = 12; y < frame.depth.rows - 12; y += stride)
-    for (int x = 12; x < frame.depth.cols - 12; x += stride)
+  for (int y = 12; y < frame.depth.rows() - 12; y += stride)
+    for (int x = 12; x < frame.depth.cols() - 12; x += stride)
       pixels.push_back({{x, y}, frame.depth(y, x), 1.F});
   return pixels;
 }

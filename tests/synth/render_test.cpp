@@ -2,7 +2,7 @@
 #include "edvo/synth/render.hpp"
 
 #include "edvo/core/camera.hpp"
-#include "edvo/frame/undistort.hpp"
+#include "edvo/frame/depth.hpp"
 #include "edvo/synth/path.hpp"
 #include "edvo/synth/rays.hpp"
 #include "edvo/synth/sequence.hpp"
@@ -143,7 +143,7 @@ TEST(Render, UndistortedPictureOfADistortedCameraIsThatOfThePinhole) {
   cv::Mat_<cv::Vec3b> rounded;
   distorted.bgr.convertTo(rounded, CV_8U);
   const cv::Mat_<cv::Vec3b> colour = undistort_colour(undistortion, rounded);
-  const cv::Mat_<float> depth = undistort_depth(undistortion, distorted.depth);
+  const cv::Mat_<float> depth = Depth(undistortion, distorted.depth).undistorted();
   std::vector<double> grey_errors, depth_errors;
   for (int y = 0; y < kFr1.pinhole.height; ++y)
     for (int x = 0; x < kFr1.pinhole.width; ++x) {

@@ -33,7 +33,7 @@ TEST(Undistortion, TakesDepthFromWhereTheDistortedCameraSawIt) {
   const double x = (500 - 319.5) / 525, y = (100 - 239.5) / 525, r2 = x * x + y * y;
   const double radial = 1 + r2 * (0.2 + r2 * (-0.5 + r2 * 0.3));
   const double u = 525 * (x * radial + 2 * 0.001 * x * y - 0.002 * (r2 + 2 * x * x)) + 319.5;
-  EXPECT_NEAR(undistort_depth(undistortion, depth)(100, 500), 1 + 0.001 * u, 0.0006);
+  EXPECT_NEAR(Depth(undistortion, depth)(100, 500), 1 + 0.001 * u, 0.0006);
 }
 
 TEST(Undistortion, RefusesACameraWithoutFocalLength) {
@@ -170,15 +170,20 @@ TEST(Surface, SigmaIsTheNoiseOfTheSensorOnceAligned) {
   const SE3 moved = motion(0.03, 0.01, -0.02, 0.01, -0.01, 0.005);
   const Frame key = plane_frame({}), current = plane_frame(moved);
   const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
-  std::vector<float> room;
-  EXPECT_LT(surface_sigma(surface, kVgaCamera, current.depth, inverse(moved), room), 1e-4F);
-  EXPECT_GT(surface_sigma(surface, kVgaCamera, current.depth, SE3{}, room), 3e-3F);
-  cv::Mat_<float> noisy = current.depth.clone();
+  const auto sigma = [&](const SurfacePoints& points, const Depth& depth, const SE3& pose) {
+    SeenSurface seen;
+    see_surface(points, kVgaCamera, depth, pose, seen);
+    std::vector<float> room;
+    return surface_sigma(points, seen, pose, room);
+  };
+  EXPECT_LT(sigma(surface, current.depth, inverse(moved)), 1e-4F);
+  EXPECT_GT(sigma(surface, current.depth, SE3{}), 3e-3F);
+  cv::Mat_<float> noisy = current.depth.undistorted().clone();
   constexpr double kSigma = 0.002;  // [1 / m]
   cv::RNG random(7);
   for (float& z : noisy) z = 1 / (1 / z + static_cast<float>(random.gaussian(kSigma)));
-  EXPECT_NEAR(surface_sigma(surface, kVgaCamera, noisy, inverse(moved), room), kSigma, 3e-4);
-  EXPECT_EQ(surface_sigma({}, kVgaCamera, noisy, SE3{}, room), 0.F);
+  EXPECT_NEAR(sigma(surface, noisy, inverse(moved)), kSigma, 3e-4);
+  EXPECT_EQ(sigma({}, noisy, SE3{}), 0.F);
 }
 
 TEST(Tracker, InformationIsSymmetricAndPositive) {

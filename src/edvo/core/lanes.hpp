@@ -27,6 +27,10 @@ using Ints = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias)
   return *reinterpret_cast<Floats*>(p);
 }
 
+[[gnu::always_inline]] inline Ints& lanes(std::int32_t* p) {
+  return *reinterpret_cast<Ints*>(p);
+}
+
 // The sum of eight numbers, always in the same order.
 [[gnu::always_inline]] inline float sum_of(const Floats& v) {
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));

@@ -36,7 +36,7 @@ Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
   cv::cvtColor(image.bgr, gray, cv::COLOR_BGR2GRAY);
   Frame frame{.stamp = image.stamp,
               .levels = {{undistortion.camera, undistort_colour(undistortion, gray)}},
-              .depth = undistort_depth(undistortion, image.depth),
+              .depth = Depth(undistortion, image.depth),
               .bgr = image.bgr};
   for (int l = 1; l < options.levels; ++l) {
     const Level& finer = frame.levels.back();

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "edvo/core/fields.hpp"
-#include "edvo/frame/undistort.hpp"
+#include "edvo/frame/depth.hpp"
 
 #include <concepts>
 #include <vector>
@@ -31,7 +31,7 @@ struct Level {
 struct Frame {
   Stamp stamp;
   std::vector<Level> levels;  // 0 = full size; level l is pyrDown of level l - 1
-  cv::Mat_<float> depth;      // H x W of level 0, [m], NaN = none
+  Depth depth;                // of level 0
   cv::Mat bgr;                // the distorted original; undistorted by who needs colour
   // Mean squared gradient of the image at half size [grey levels^2]: motion blur lowers it.
   double sharpness = 0;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace edvo {
 namespace {
@@ -120,21 +119,6 @@ cv::Mat undistort_colour(const Undistortion& undistortion, const cv::Mat& image)
     for (int c = 0; c < channels; ++c)
       out[i * channels + c] = static_cast<std::uint8_t>(
           interpolate(in + corner[i] * channels + c, channels, stride, right[i], down[i]));
-  return result;
-}
-
-cv::Mat_<float> undistort_depth(const Undistortion& undistortion, const cv::Mat_<float>& depth) {
-  if (undistortion.nearest.empty()) return depth;
-  const cv::Mat_<float> whole = depth.isContinuous() ? depth : depth.clone();
-  cv::Mat_<float> result(depth.size());
-  const float* in = whole[0];
-  const std::int32_t* nearest = undistortion.nearest[0];
-  float* out = result[0];
-  const std::size_t count = depth.total();
-  for (std::size_t i = 0; i < count; ++i) {
-    const float z = in[std::max(nearest[i], 0)];
-    out[i] = nearest[i] < 0 ? std::numeric_limits<float>::quiet_NaN() : z;
-  }
   return result;
 }
 

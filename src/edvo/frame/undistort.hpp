@@ -24,8 +24,4 @@ struct Undistortion {
 // Bilinear, 8-bit, one channel or three; beyond the sensor's view its border goes on.
 [[nodiscard]] cv::Mat undistort_colour(const Undistortion& undistortion, const cv::Mat& image);
 
-// Nearest: depth is never averaged. Outside the sensor's view NaN.
-[[nodiscard]] cv::Mat_<float> undistort_depth(const Undistortion& undistortion,
-                                              const cv::Mat_<float>& depth);
-
 }  // namespace edvo

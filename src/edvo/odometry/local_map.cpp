@@ -21,7 +21,7 @@ void LocalMap::add(const Frame& frame, const SE3& world_from_camera, const Align
   if (options.keyframes == 0) return;
   WindowKeyframe key = make_window_keyframe(
       frame, world_from_camera,
-      spread(pixels, frame.depth.cols, config.selection.cell, options.points), options);
+      spread(pixels, frame.depth.cols(), config.selection.cell, options.points), options);
   if (!recent_.empty()) {  // I = gain * radiance + bias, chained over the last keyframe
     key.gain = from_last.gain * recent_.back().gain;
     key.bias = from_last.gain * recent_.back().bias + from_last.bias;

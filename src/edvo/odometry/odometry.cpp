@@ -95,7 +95,7 @@ struct Odometry::State {
   TrackResult align(const Frame& frame, const Guesses& guesses);
   TrackResult second_look(const Frame& frame, const CentrePrior& prior, const TrackResult& first);
   bool outdone_by(const Frame& frame, const TrackResult& result) const;
-  bool add_keyframe(const Frame& frame, const SE3& world_from_camera, FrameReport& report);
+  bool add_keyframe(Frame frame, const SE3& world_from_camera, FrameReport& report);
   void follow(const Frame& frame, FrameReport& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
              FrameReport& report);
@@ -211,9 +211,9 @@ bool Odometry::State::outdone_by(const Frame& frame, const TrackResult& result) 
 }
 
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
-bool Odometry::State::add_keyframe(const Frame& frame, const SE3& world_from_camera,
-                                   FrameReport& report) {
+bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, FrameReport& report) {
   Stopwatch watch;
+  frame.depth = frame.depth.undistorted();
   const cv::Mat_<std::uint8_t> edges = edge_mask(frame, undistortion, network.get(), config);
   report.milliseconds.edges = watch.lap();
   const cv::Mat_<std::uint8_t> candidates = with_corner_discs(edges, config.corners);

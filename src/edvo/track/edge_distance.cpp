@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/edge_distance.hpp"
 
+#include "edvo/track/robust.hpp"
+#include "edvo/track/view.hpp"
+
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 

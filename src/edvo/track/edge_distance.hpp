@@ -4,7 +4,7 @@
 #pragma once
 
 #include "edvo/core/se3.hpp"
-#include "edvo/track/photometric.hpp"
+#include "edvo/track/pose_sums.hpp"
 #include "edvo/track/selection.hpp"
 
 #include <Eigen/Core>

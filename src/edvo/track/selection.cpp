@@ -141,19 +141,20 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
                                          const SelectOptions& options) {
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
   const int border = std::max(kBorder, options.jump_radius);
+  const cv::Mat_<float> depth = frame.depth.undistorted();
   std::vector<SelectedPixel> pixels;
   std::vector<float> depths;
   for (int y = border; y < gray.rows - border; ++y) {
     const std::uint8_t* candidates = mask[y];
     if (std::all_of(candidates, candidates + mask.cols, [](std::uint8_t c) { return c == 0; }))
       continue;
-    edge_depths(frame.depth, y, options, depths);
+    edge_depths(depth, y, options, depths);
     for (int x = border; x < gray.cols - border; ++x) {
       if (candidates[x] == 0 || valid(y, x) == 0) continue;
       const float gradient = gradient_magnitude(gray, x, y);
       if (gradient < static_cast<float>(options.min_gradient)) continue;
-      const float depth = depths[static_cast<std::size_t>(x)];
-      if (!std::isnan(depth)) pixels.push_back({{x, y}, depth, gradient});
+      const float z = depths[static_cast<std::size_t>(x)];
+      if (!std::isnan(z)) pixels.push_back({{x, y}, z, gradient});
     }
   }
   return spread(pixels, gray.cols, options.cell, options.max_points);
@@ -163,8 +164,8 @@ std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const Selec
                                        std::vector<SelectedPixel> recycled) {
   std::vector<SelectedPixel> pixels = std::move(recycled);
   pixels.clear();
-  for (int y = step / 2; y < frame.depth.rows; y += step)
-    for (int x = step / 2; x < frame.depth.cols; x += step) {
+  for (int y = step / 2; y < frame.depth.rows(); y += step)
+    for (int x = step / 2; x < frame.depth.cols(); x += step) {
       const float z = frame.depth(y, x);
       if (z >= static_cast<float>(options.min_depth) && z <= static_cast<float>(options.max_depth))
         pixels.push_back({{x, y}, z, 0.F});

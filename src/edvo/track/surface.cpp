@@ -17,7 +17,7 @@ struct Plane {
 };
 
 // Fit to 3 x 3 samples `step` apart; false where one is missing or off the plane.
-bool fit(const cv::Mat_<float>& depth, int u, int v, int step, float noise, Plane& plane) {
+bool fit(const Depth& depth, int u, int v, int step, float noise, Plane& plane) {
   float rho[3][3];
   float sum = 0;
   for (int j = 0; j < 3; ++j)
@@ -43,15 +43,15 @@ void SurfacePoints::clear() {
   for (std::vector<float>* array : {&x, &y, &z, &nx, &ny, &nz}) array->clear();
 }
 
-SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera, int cell,
-                           double noise, SurfacePoints recycled) {
+SurfacePoints make_surface(const Depth& depth, const Camera& camera, int cell, double noise,
+                           SurfacePoints recycled) {
   SurfacePoints surface = std::move(recycled);
   surface.clear();
   const int step = std::max(1, cell / 3);
   const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
   const float cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  for (int v = step; v + step < depth.rows; v += cell)
-    for (int u = step; u + step < depth.cols; u += cell) {
+  for (int v = step; v + step < depth.rows(); v += cell)
+    for (int u = step; u + step < depth.cols(); u += cell) {
       Plane plane;
       if (!fit(depth, u, v, step, static_cast<float>(noise), plane)) continue;
       const float z = 1.F / plane.c;

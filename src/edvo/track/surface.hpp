@@ -2,7 +2,7 @@
 // Flat pieces of a keyframe's surface, for point-to-plane alignment of depth.
 #pragma once
 
-#include "edvo/core/camera.hpp"
+#include "edvo/frame/depth.hpp"
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -20,9 +20,9 @@ struct SurfacePoints {
 };
 
 // One point per cell of the image, where 3 x 3 samples of the cell lie on a plane.
-// depth: H x W, [m], NaN = none. noise: sigma of inverse depth [1 / m]. recycled: of no more use,
+// noise: sigma of inverse depth [1 / m]. recycled: of no more use,
 // its memory serves the new one.
-[[nodiscard]] SurfacePoints make_surface(const cv::Mat_<float>& depth, const Camera& camera,
-                                         int cell, double noise, SurfacePoints recycled = {});
+[[nodiscard]] SurfacePoints make_surface(const Depth& depth, const Camera& camera, int cell,
+                                         double noise, SurfacePoints recycled = {});
 
 }  // namespace edvo

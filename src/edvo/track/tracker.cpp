@@ -3,6 +3,7 @@
 
 #include "edvo/track/edge_distance.hpp"
 #include "edvo/track/levenberg_marquardt.hpp"
+#include "edvo/track/view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ class LevelProblem {
   void set_depth_noise(const SE3& cur_from_ref) {
     const auto most = static_cast<float>(options_.depth_noise);
     depth_noise_ = std::clamp(
-        surface_sigma(surface_, full_camera_, depth_, cur_from_ref, scratch_.surface_errors),
+        surface_sigma(surface_, seen(cur_from_ref), cur_from_ref, scratch_.surface_errors),
         kLeastDepthNoise * most, most);
   }
 
@@ -78,7 +79,7 @@ class LevelProblem {
     system.gradient = photometric.gradient;
     system.cost = photometric.cost;
     if (options_.geometric > 0)
-      add(sum_surface(surface_, full_camera_, depth_, alignment.cur_from_ref, depth_noise_,
+      add(sum_surface(surface_, seen(alignment.cur_from_ref), alignment.cur_from_ref, depth_noise_,
                       static_cast<float>(options_.geometric)),
           system);
     if (options_.edge_distance > 0 && edge_distance_)
@@ -105,6 +106,12 @@ class LevelProblem {
   }
 
  private:
+  [[nodiscard]] const SeenSurface& seen(const SE3& cur_from_ref) const {
+    if (scratch_.seen.is_stale(cur_from_ref, full_camera_))
+      see_surface(surface_, full_camera_, depth_, cur_from_ref, scratch_.seen);
+    return scratch_.seen;
+  }
+
   static void add(const PoseSums& sums, System& system) {
     system.hessian.topLeftCorner<6, 6>() += sums.hessian;
     system.gradient.head<6>() += sums.gradient;
@@ -143,7 +150,7 @@ class LevelProblem {
   const std::vector<Eigen::Vector3f>& edge_points_;
   const Level& current_;
   const Camera& full_camera_;
-  const cv::Mat_<float>& depth_;
+  const Depth& depth_;
   const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const TrackOptions& options_;
   TrackScratch& scratch_;
@@ -187,6 +194,7 @@ double coarse_cost(const Reference& reference, const Frame& frame, const Alignme
                    const TrackOptions& options, TrackScratch& scratch) {
   const std::size_t l = std::min<std::size_t>(static_cast<std::size_t>(options.coarsest_level),
                                               frame.levels.size() - 1);
+  scratch.seen.from.reset();
   const LevelProblem problem(reference, frame, l, options, scratch, {});
   return problem.linearize(guess).cost;
 }
@@ -210,6 +218,7 @@ double shift(const Reference& reference, int level, const SE3& a, const SE3& b) 
 TrackResult track(const Reference& reference, const Frame& frame, const Alignment& guess,
                   const TrackOptions& options, TrackScratch& scratch, const CentrePrior& prior) {
   TrackResult result{.alignment = guess};
+  scratch.seen.from.reset();  // what was seen of another frame
   const int coarsest = std::min(options.coarsest_level, static_cast<int>(frame.levels.size()) - 1);
   const int finest = std::min(options.finest_level, coarsest);
   for (int l = coarsest; l >= finest; --l) {

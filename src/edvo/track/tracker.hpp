@@ -5,6 +5,7 @@
 #include "edvo/core/inplace_vector.hpp"
 #include "edvo/core/se3.hpp"
 #include "edvo/track/photometric.hpp"
+#include "edvo/track/point_to_plane.hpp"
 #include "edvo/track/reference.hpp"
 #include "edvo/track/robust.hpp"
 
@@ -103,6 +104,7 @@ struct CentrePrior {
 // what is in it between two calls means nothing.
 struct TrackScratch {
   std::vector<float> residuals;
+  SeenSurface seen;
   std::vector<float> surface_errors;
 };
 

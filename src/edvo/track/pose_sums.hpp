@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "edvo/core/se3.hpp"
+
+namespace edvo {
+
+// Sums over residuals of the pose alone, upper triangle of the Hessian of xi.
+struct PoseSums {
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double cost = 0;
+};
+
+}  // namespace edvo
