@@ -3,10 +3,10 @@
 
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
+#include "edvo/track/bilinear.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace edvo {
@@ -23,57 +23,6 @@ static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
 // Sums over a patch that all of its second derivatives are made of: the geometry is that of the
 // patch's centre, as in DSO, the residuals and gradients are each pixel's own.
 enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kCost, kSums };
-
-// An image at the pixels of a patch.
-struct Samples {
-  Floats value, gx, gy;  // [grey levels], [grey levels / px]
-};
-
-// Byte k of each number.
-template <int k>
-[[gnu::always_inline]] inline void byte_of(const Ints& word, Floats& out) {
-  out = __builtin_convertvector((word >> (8 * k)) & 255, Floats);
-}
-
-// Bilinear, the gradient by central differences of the same interpolant. (u, v): two pixels of room
-// at least. Four neighbours in a row are read at once, the left one in the low byte.
-[[gnu::always_inline]] inline void sample(const cv::Mat_<std::uint8_t>& gray, const Floats& u,
-                                          const Floats& v, Samples& out) {
-  const Ints column = __builtin_convertvector(u, Ints);
-  const Ints row = __builtin_convertvector(v, Ints);
-  const Floats a = u - __builtin_convertvector(column, Floats);
-  const Floats b = v - __builtin_convertvector(row, Floats);
-  const auto stride = static_cast<std::int32_t>(gray.step[0]);
-  const Ints offset = (row - 1) * stride + column - 1;
-  const std::uint8_t* pixels = gray.data;
-  Ints rows[4];
-  for (int r = 0; r < 4; ++r) {
-    Ints words{};
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      std::int32_t word = 0;
-      std::memcpy(&word, pixels + offset[k] + r * stride, sizeof word);
-      words[k] = word;
-    }
-    rows[r] = words;
-  }
-  Floats at[4], left[2], right[2];  // interpolated along the rows at u, u - 1 and u + 1
-  for (int r = 0; r < 4; ++r) {
-    Floats p0, p1, p2, p3;
-    byte_of<1>(rows[r], p1);
-    byte_of<2>(rows[r], p2);
-    at[r] = p1 + a * (p2 - p1);
-    if (r != 1 && r != 2) continue;
-    byte_of<0>(rows[r], p0);
-    byte_of<3>(rows[r], p3);
-    left[r - 1] = p0 + a * (p1 - p0);
-    right[r - 1] = p2 + a * (p3 - p2);
-  }
-  out.value = at[1] + b * (at[2] - at[1]);
-  const Floats upper = right[0] - left[0], lower = right[1] - left[1];
-  out.gx = 0.5F * (upper + b * (lower - upper));
-  const Floats first = at[2] - at[0], second = at[3] - at[1];
-  out.gy = 0.5F * (first + b * (second - first));
-}
 
 // Asks the memory for what a point's patch will read, so that it is there when its turn comes: the
 // images of a window are larger than the caches, and a patch is somewhere in them.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/track/robust.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -12,38 +11,41 @@ namespace {
 constexpr std::uint32_t kNoSign = 0x7fffffffU, kInfinity = 0x7f800000U;
 
 // Floats without sign are ordered as their bits are. So the median's bits are found from the first
-// to the last, some at a time: how often each value of theirs occurs among those that begin as the
-// median does tells which value its rank falls to. Far quicker than to order all.
-constexpr std::array<int, 3> kBits = {12, 10, 9};
-constexpr std::size_t kMostValues = std::size_t{1} << kBits[0];
+// on, some at a time: how often each value of theirs occurs among those that begin as the median
+// does tells which value its rank falls to. Far quicker than to order all.
+constexpr int kFirstBits = 12, kNextBits = 10;
+constexpr int kAfterFirst = 31 - kFirstBits, kAfterNext = kAfterFirst - kNextBits;
+
+// The bits of a number without its sign; those of NaN behind all others.
+std::uint32_t size_bits(float r) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(r) & kNoSign;
+  return bits > kInfinity ? kNoSign : bits;
+}
+
+// The value that a rank falls to, by how often each occurs; of the rank, what is left in it.
+std::uint32_t value_at(std::span<const std::uint32_t> occurs, std::size_t& rank) {
+  std::uint32_t value = 0;
+  while (rank >= occurs[value]) rank -= occurs[value++];
+  return value;
+}
 
 }  // namespace
 
 float mad_sigma(std::span<const float> residuals) {
   constexpr float kSigmaPerMad = 1.4826F;  // of a normal distribution
-  std::array<std::uint32_t, kMostValues> occurs;
-  std::uint32_t median = 0;  // its bits from the first to number `unknown`
-  int unknown = 31;
-  std::size_t rank = 0;  // among those that begin as the median does
-  for (const int bits_now : kBits) {
-    const int begun = unknown;
-    unknown -= bits_now;
-    const std::uint32_t mask = (1U << bits_now) - 1;
-    std::fill_n(occurs.begin(), mask + 1, 0U);
-    std::size_t count = 0;
-    for (const float r : residuals) {
-      const std::uint32_t bits = std::bit_cast<std::uint32_t>(r) & kNoSign;
-      if (bits > kInfinity || bits >> begun != median) continue;
-      ++occurs[bits >> unknown & mask];
-      ++count;
-    }
-    if (count == 0) return 0;
-    if (bits_now == kBits[0]) rank = count / 2;
-    std::uint32_t value = 0;
-    while (rank >= occurs[value]) rank -= occurs[value++];
-    median = median << bits_now | value;
+  std::array<std::uint32_t, 1 << kFirstBits> first{};
+  for (const float r : residuals) ++first[size_bits(r) >> kAfterFirst];
+  const std::size_t count = residuals.size() - first.back();
+  if (count == 0) return 0;
+  std::size_t rank = count / 2;
+  const std::uint32_t begin = value_at(first, rank);
+  std::array<std::uint32_t, 1 << kNextBits> next{};
+  for (const float r : residuals) {
+    const std::uint32_t bits = size_bits(r);
+    if (bits >> kAfterFirst == begin) ++next[bits >> kAfterNext & (next.size() - 1)];
   }
-  return kSigmaPerMad * std::bit_cast<float>(median);
+  const std::uint32_t bits = begin << kNextBits | value_at(next, rank);
+  return kSigmaPerMad * std::bit_cast<float>(bits << kAfterNext);
 }
 
 }  // namespace edvo

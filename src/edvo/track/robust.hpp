@@ -42,8 +42,8 @@ struct RobustValue {
   return {};
 }
 
-// Sigma of the residuals by their median absolute deviation from zero: 1.4826 median |r|. NaN is
-// left out; 0 for none.
+// Sigma of the residuals by their median absolute deviation from zero: 1.4826 median |r|, to one
+// part in 10,000. NaN is left out; 0 for none.
 [[nodiscard]] float mad_sigma(std::span<const float> residuals);
 
 }  // namespace edvo

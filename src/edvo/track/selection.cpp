@@ -15,9 +15,10 @@ namespace {
 constexpr int kBorder = 4;  // [px] room for gradients and patches
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-float gradient_magnitude(const cv::Mat_<std::uint8_t>& gray, int x, int y) {
-  const float gx = 0.5F * static_cast<float>(gray(y, x + 1) - gray(y, x - 1));
-  const float gy = 0.5F * static_cast<float>(gray(y + 1, x) - gray(y - 1, x));
+// Of the pixel at p, in an image of this stride.
+float gradient_magnitude(const std::uint8_t* p, std::ptrdiff_t stride) {
+  const float gx = 0.5F * static_cast<float>(p[1] - p[-1]);
+  const float gy = 0.5F * static_cast<float>(p[stride] - p[-stride]);
   return std::sqrt(gx * gx + gy * gy);
 }
 
@@ -71,19 +72,25 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
   const auto wanted = static_cast<std::size_t>(limit);
   if (pixels.size() <= wanted) return pixels;
   const int columns = (width + cell - 1) / cell;
-  std::vector<std::size_t> cells;  // of each pixel
+  std::vector<int> column_of(static_cast<std::size_t>(width));  // quicker than to divide
+  for (int x = 0; x < width; ++x) column_of[static_cast<std::size_t>(x)] = x / cell;
+  std::vector<std::uint32_t> cells;  // of each pixel
   cells.reserve(pixels.size());
   std::size_t count = 0;
-  for (const SelectedPixel& p : pixels) {
-    cells.push_back(static_cast<std::size_t>(p.pixel.y / cell * columns + p.pixel.x / cell));
-    count = std::max(count, cells.back() + 1);
+  for (int y = -1, first = 0; const SelectedPixel& p : pixels) {
+    if (p.pixel.y != y) first = (y = p.pixel.y) / cell * columns;
+    cells.push_back(
+        static_cast<std::uint32_t>(first + column_of[static_cast<std::size_t>(p.pixel.x)]));
+    count = std::max<std::size_t>(count, cells.back() + 1);
   }
-  std::vector<std::size_t> ends(count + 1);  // of each cell's members, first where they begin
-  for (const std::size_t c : cells) ++ends[c + 1];
+  std::vector<std::uint32_t> ends(count + 1);  // of each cell's members, first where they begin
+  for (const std::uint32_t c : cells) ++ends[c + 1];
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  std::vector<std::size_t> members(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) members[ends[cells[i]]++] = i;
-  const auto size = [&](std::size_t c) { return ends[c] - (c > 0 ? ends[c - 1] : 0); };
+  std::vector<std::uint32_t> members(pixels.size());
+  for (std::uint32_t i = 0; i < pixels.size(); ++i) members[ends[cells[i]]++] = i;
+  const auto size = [&](std::size_t c) -> std::size_t {
+    return ends[c] - (c > 0 ? ends[c - 1] : 0);
+  };
   // So many of each cell, the strongest first, and one more of some.
   const auto taken = [&](std::size_t of_each) {
     std::size_t sum = 0;
@@ -93,10 +100,11 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
   std::size_t of_each = 0;
   while (taken(of_each + 1) <= wanted) ++of_each;
   const std::size_t left = wanted - taken(of_each), larger = taken(of_each + 1) - taken(of_each);
-  const auto stronger = [&](std::size_t a, std::size_t b) {
-    return std::pair(-pixels[a].gradient, a) < std::pair(-pixels[b].gradient, b);
+  const auto stronger = [&](std::uint32_t a, std::uint32_t b) {
+    const float ga = pixels[a].gradient, gb = pixels[b].gradient;
+    return ga > gb || (ga == gb && a < b);
   };
-  std::vector<bool> kept(pixels.size());
+  std::vector<std::uint8_t> kept(pixels.size());
   std::size_t seen = 0;
   for (std::size_t c = 0; c < count; ++c) {
     std::size_t best = std::min(of_each, size(c));
@@ -108,12 +116,12 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
     const auto first = last - static_cast<std::ptrdiff_t>(size(c));
     const auto middle = first + static_cast<std::ptrdiff_t>(best);
     if (best < size(c) && best > 0) std::nth_element(first, middle - 1, last, stronger);
-    for (auto member = first; member != middle; ++member) kept[*member] = true;
+    for (auto member = first; member != middle; ++member) kept[*member] = 1;
   }
   std::vector<SelectedPixel> result;
   result.reserve(wanted);
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (kept[i]) result.push_back(pixels[i]);
+    if (kept[i] != 0) result.push_back(pixels[i]);
   return result;
 }
 
@@ -142,17 +150,19 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
   const int border = std::max(kBorder, options.jump_radius);
   const cv::Mat_<float> depth = frame.depth.undistorted();
+  const auto stride = static_cast<std::ptrdiff_t>(gray.step[0]);
+  const auto least = static_cast<float>(options.min_gradient);
   std::vector<SelectedPixel> pixels;
   std::vector<float> depths;
   for (int y = border; y < gray.rows - border; ++y) {
-    const std::uint8_t* candidates = mask[y];
+    const std::uint8_t *candidates = mask[y], *seen = valid[y], *row = gray[y];
     if (std::all_of(candidates, candidates + mask.cols, [](std::uint8_t c) { return c == 0; }))
       continue;
     edge_depths(depth, y, options, depths);
     for (int x = border; x < gray.cols - border; ++x) {
-      if (candidates[x] == 0 || valid(y, x) == 0) continue;
-      const float gradient = gradient_magnitude(gray, x, y);
-      if (gradient < static_cast<float>(options.min_gradient)) continue;
+      if (candidates[x] == 0 || seen[x] == 0) continue;
+      const float gradient = gradient_magnitude(row + x, stride);
+      if (gradient < least) continue;
       const float z = depths[static_cast<std::size_t>(x)];
       if (!std::isnan(z)) pixels.push_back({{x, y}, z, gradient});
     }
