@@ -53,19 +53,26 @@ TEST(LevenbergMarquardt, ARejectedStepLeavesNoTrace) {
   EXPECT_EQ(x, 0);
 }
 
+using Number = Eigen::Matrix<double, 1, 1>;
+
 TEST(StepsToCome, AreKnownFromTwoStepsWhereEachIsAsMuchShorter) {
-  StepsToCome to_come;
-  to_come.take(1.0);
-  EXPECT_DOUBLE_EQ(to_come.from(0.75), 3.0);  // 0.75 + 0.75^2 + ...
-  to_come.take(0.75);
-  EXPECT_DOUBLE_EQ(to_come.from(0.0), 0.0);
+  StepsToCome<Number> to_come;
+  to_come.take(Number(1.0), 1);
+  EXPECT_DOUBLE_EQ(to_come.count(Number(0.75), Number(7.0)), 4.0);  // 1 + 0.75 + 0.75^2 + ...
+  EXPECT_LT(to_come.at_once(4.0), 2.0);
+  // Taken 1.6 times, which left 1 - 0.25 x 1.6 = 0.6 of the error.
+  to_come.take(Number(0.75), 1.6);
+  EXPECT_NEAR(to_come.count(Number(0.45), Number(7.0)), 4.0, 1e-12);
 }
 
-TEST(StepsToCome, AreFiniteWhereStepsGrow) {
-  StepsToCome to_come;
-  EXPECT_DOUBLE_EQ(to_come.from(1.0), 2.0);  // nothing is known yet
-  to_come.take(1.0);
-  EXPECT_NEAR(to_come.from(2.0), 40.0, 1e-9);
+TEST(StepsToCome, AreFiniteWhereStepsGrowAndAtLeastThisOne) {
+  StepsToCome<Number> to_come;
+  EXPECT_EQ(to_come.at_once(to_come.count(Number(1.0), Number(1.0))), 1.0);  // nothing is known yet
+  to_come.take(Number(1.0), 1);
+  EXPECT_EQ(to_come.count(Number(2.0), Number(1.0)), 20.0);
+  EXPECT_EQ(to_come.count(Number(-0.5), Number(1.0)), 1.0);
+  to_come.forget();
+  EXPECT_EQ(to_come.at_once(9.0), 1.0);
 }
 
 // x^2 / 2 by Newton's steps whose curvature is ten times the true one, as the weights of a robust

@@ -23,20 +23,35 @@ struct MinimizeOptions {
   double step_tolerance = 1e-5;  // of all steps still to come, see Problem::step_size
 };
 
-// The length of a step and of all that would follow if each were as much shorter than the one
-// before as this one is. Robust losses converge so, slowly where much does not fit: a short step
-// alone does not tell that the end is near.
+// Robust losses make each step about as much shorter than the one before. From two of them follows
+// how many times a step leads to the end (Aitken's extrapolation). That is how far the end is: a
+// short step alone does not tell. And the step itself may be longer.
+template <typename Vector>
 class StepsToCome {
  public:
-  [[nodiscard]] double from(double step) const {
-    const double rate = last_ > 0 ? std::min(step / last_, kSlowest) : 0.5;
-    return step / (1 - rate);
+  // All of them together, in steps. metric: the Hessian, in which unknowns of all units compare.
+  template <typename Matrix>
+  [[nodiscard]] double count(const Vector& step, const Matrix& metric) const {
+    if (taken_ == 0) return kUnknown;
+    const Vector scaled = metric * last_;
+    const double left = 1 - scaled.dot(step) / scaled.dot(last_);  // of the last step's error
+    return left > taken_ / kMost ? std::max(1.0, taken_ / left) : kMost;
   }
-  void take(double step) { last_ = step; }
+  // How many times to take one for which there are so many.
+  [[nodiscard]] double at_once(double count) const {
+    return taken_ == 0 ? 1.0 : std::min(count, kMostAtOnce);
+  }
+  void take(const Vector& step, double times) {
+    last_ = step;
+    taken_ = times;
+  }
+  void forget() { taken_ = 0; }
 
  private:
-  static constexpr double kSlowest = 0.95;
-  double last_ = 0;  // step taken, 0 = none
+  static constexpr double kUnknown = 2, kMost = 20;
+  static constexpr double kMostAtOnce = 1.9;  // twice as far gains nothing on a quadratic cost
+  Vector last_ = Vector::Zero();
+  double taken_ = 0;  // times, 0 = none yet
 };
 
 struct MinimizeSummary {
@@ -60,31 +75,35 @@ requires LeastSquaresProblem<Problem, X> MinimizeSummary minimize(const Problem&
   MinimizeSummary summary{.iterations = 1, .cost = system.cost, .converged = false};
   using Vector = decltype(system.gradient);
   double lambda = options.initial_lambda, growth = 2;
-  StepsToCome to_come;
+  StepsToCome<Vector> to_come;
   while (summary.iterations < options.max_iterations) {
     auto damped = system.hessian;
     damped.diagonal() *= 1 + lambda;
     const Vector step = -damped.ldlt().solve(system.gradient);
     if (!step.allFinite()) return summary;
-    const double size = problem.step_size(step);
-    if (to_come.from(size) < options.step_tolerance) {
+    const double count = to_come.count(step, system.hessian);
+    if (count * problem.step_size(step) < options.step_tolerance) {
       summary.converged = true;
       return summary;
     }
-    const X candidate = problem.update(x, step);
+    const double times = to_come.at_once(count);
+    const Vector long_step = times * step;
+    const X candidate = problem.update(x, long_step);
     const auto next = problem.linearize(candidate);
     ++summary.iterations;
-    const double predicted = -(system.gradient.dot(step) + 0.5 * step.dot(system.hessian * step));
+    const double predicted =
+        -(system.gradient.dot(long_step) + 0.5 * long_step.dot(system.hessian * long_step));
     const double gain = (system.cost - next.cost) / predicted;
     if (next.cost < system.cost && std::isfinite(next.cost)) {
       x = candidate;
-      to_come.take(size);
+      to_come.take(step, times);
       system = next;
       summary.cost = system.cost;
       lambda *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain - 1.0, 3));
       lambda = std::max(lambda, 1e-7);
       growth = 2;
     } else {
+      to_come.forget();
       lambda *= growth;
       growth *= 2;
       if (lambda > 1e7) {

@@ -69,6 +69,13 @@ struct LossConstants {
   float parameter, inverse_sigma, outside;
 };
 
+LossConstants loss_constants(float sigma, Loss loss, float parameter) {
+  return {.loss = loss,
+          .parameter = parameter,
+          .inverse_sigma = 1.F / sigma,
+          .outside = robust(loss, parameter, kInlierSigmas).cost};
+}
+
 // What each point of a block weighs, and that times its residual. Returns the cost.
 EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights, std::size_t count,
                               const LossConstants& c, float* __restrict weights,
@@ -183,13 +190,22 @@ void photometric_residuals(const ReferenceLevel& reference, const Level& current
                 residuals.data());
 }
 
+double photometric_cost(const ReferenceLevel& reference, const std::vector<float>& residuals,
+                        float sigma, Loss loss, float loss_parameter) {
+  const LossConstants constants = loss_constants(sigma, loss, loss_parameter);
+  std::array<float, kBlock> weights, weighted;
+  double cost = 0;
+  for (std::size_t first = 0; first < residuals.size(); first += kBlock)
+    cost += static_cast<double>(weigh_block(
+        residuals.data() + first, reference.weight.data() + first,
+        std::min(kBlock, residuals.size() - first), constants, weights.data(), weighted.data()));
+  return cost;
+}
+
 PhotometricSums sum_photometric(const ReferenceLevel& reference,
                                 const std::vector<float>& residuals, double gain, float sigma,
                                 Loss loss, float loss_parameter) {
-  const LossConstants constants{.loss = loss,
-                                .parameter = loss_parameter,
-                                .inverse_sigma = 1.F / sigma,
-                                .outside = robust(loss, loss_parameter, kInlierSigmas).cost};
+  const LossConstants constants = loss_constants(sigma, loss, loss_parameter);
   PhotometricSums sums;
   std::array<float, kBlock> weights, weighted;
   ColumnSums block;

@@ -35,6 +35,11 @@ struct PhotometricSums {
 void photometric_residuals(const ReferenceLevel& reference, const Level& current,
                            const Alignment& alignment, std::vector<float>& residuals);
 
+// The robust cost alone, as below.
+[[nodiscard]] double photometric_cost(const ReferenceLevel& reference,
+                                      const std::vector<float>& residuals, float sigma, Loss loss,
+                                      float loss_parameter);
+
 // sigma: of the residuals [grey levels]. Points out of view pay the loss of kInlierSigmas:
 // otherwise the best pose is one that sees nothing.
 [[nodiscard]] PhotometricSums sum_photometric(const ReferenceLevel& reference,

@@ -78,19 +78,17 @@ class LevelProblem {
     system.hessian = photometric.hessian;
     system.gradient = photometric.gradient;
     system.cost = photometric.cost;
-    if (options_.geometric > 0)
-      add(sum_surface(surface_, seen(alignment.cur_from_ref), alignment.cur_from_ref, depth_noise_,
-                      static_cast<float>(options_.geometric)),
-          system);
-    if (options_.edge_distance > 0 && edge_distance_)
-      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_, alignment.cur_from_ref,
-                            static_cast<float>(options_.edge_sigma),
-                            static_cast<float>(options_.edge_distance)),
-          system);
+    add_all_others(alignment, system);
     system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
-    add_brightness_prior(alignment, system);
-    if (prior_.sigma > 0) add_centre_prior(alignment.cur_from_ref, system);
     return system;
+  }
+
+  [[nodiscard]] double cost(const Alignment& alignment) const {
+    System system;
+    system.cost = photometric_cost(reference_, residuals(alignment), sigma_, options_.loss,
+                                   static_cast<float>(options_.loss_parameter));
+    add_all_others(alignment, system);
+    return system.cost;
   }
 
   [[nodiscard]] Alignment update(const Alignment& alignment, const Vector8d& step) const {
@@ -110,6 +108,21 @@ class LevelProblem {
     if (scratch_.seen.is_stale(cur_from_ref, full_camera_))
       see_surface(surface_, full_camera_, depth_, cur_from_ref, scratch_.seen);
     return scratch_.seen;
+  }
+
+  // What is not photometric. Of the Hessian the upper triangle.
+  void add_all_others(const Alignment& alignment, System& system) const {
+    if (options_.geometric > 0)
+      add(sum_surface(surface_, seen(alignment.cur_from_ref), alignment.cur_from_ref, depth_noise_,
+                      static_cast<float>(options_.geometric)),
+          system);
+    if (options_.edge_distance > 0 && edge_distance_)
+      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_, alignment.cur_from_ref,
+                            static_cast<float>(options_.edge_sigma),
+                            static_cast<float>(options_.edge_distance)),
+          system);
+    add_brightness_prior(alignment, system);
+    if (prior_.sigma > 0) add_centre_prior(alignment.cur_from_ref, system);
   }
 
   static void add(const PoseSums& sums, System& system) {
@@ -196,7 +209,7 @@ double coarse_cost(const Reference& reference, const Frame& frame, const Alignme
                                               frame.levels.size() - 1);
   scratch.seen.from.reset();
   const LevelProblem problem(reference, frame, l, options, scratch, {});
-  return problem.linearize(guess).cost;
+  return problem.cost(guess);
 }
 
 double shift(const Reference& reference, int level, const SE3& a, const SE3& b) {
