@@ -34,27 +34,39 @@ inline int interpolate(const std::uint8_t* p, int channels, int stride, int righ
   return (top * (kUnit - down) + bottom * down + kRound) / (kUnit * kUnit);
 }
 
-// count: a multiple of kLanes.
-EDVO_CLONES void undistort_lanes(const std::uint8_t* in, int stride, const std::int32_t* corner,
+// Each pixel with the one below it in its high byte.
+EDVO_CLONES void pair_rows(const std::uint8_t* row, const std::uint8_t* below, int width,
+                           std::uint16_t* pairs) {
+  for (int x = 0; x < width; ++x) pairs[x] = static_cast<std::uint16_t>(row[x] | (below[x] << 8));
+}
+
+// As interpolate() does, from pairs: two of them side by side are the four pixels around. count: a
+// multiple of kLanes.
+EDVO_CLONES void undistort_lanes(const std::uint16_t* pairs, const std::int32_t* corner,
                                  const std::uint8_t* right, const std::uint8_t* down,
                                  std::size_t count, std::uint8_t* out) {
+  constexpr std::int32_t kEven = 0x00ff00ff;  // the upper two of the four, 16 bits apart
   for (std::size_t i = 0; i < count; i += kLanes) {
-    Ints upper, lower, a, b;
+    Ints four, a, b;
     for (std::size_t k = 0; k < kLanes; ++k) {
-      std::uint16_t pair;  // two neighbours, the left one in the low byte
-      const std::uint8_t* p = in + corner[i + k];
-      std::memcpy(&pair, p, 2);
-      upper[k] = pair;
-      std::memcpy(&pair, p + stride, 2);
-      lower[k] = pair;
+      std::int32_t word;
+      std::memcpy(&word, pairs + corner[i + k], sizeof word);
+      four[k] = word;
       a[k] = right[i + k];
       b[k] = down[i + k];
     }
-    const Ints top = (upper & 255) * (kUnit - a) + (upper >> 8) * a;
-    const Ints bottom = (lower & 255) * (kUnit - a) + (lower >> 8) * a;
-    const Ints value = (top * (kUnit - b) + bottom * b + kRound) >> 10;
+    // Left and right column in one multiplication: neither grows beyond 16 bits.
+    const Ints columns = (four & kEven) * (kUnit - b) + ((four >> 8) & kEven) * b;
+    const Ints value = ((columns & 0xffff) * (kUnit - a) + (columns >> 16) * a + kRound) >> 10;
     for (std::size_t k = 0; k < kLanes; ++k) out[i + k] = static_cast<std::uint8_t>(value[k]);
   }
+}
+
+cv::Mat_<std::uint16_t> paired_rows(const cv::Mat& gray) {
+  cv::Mat_<std::uint16_t> pairs(gray.rows - 1, gray.cols);
+  for (int y = 0; y + 1 < gray.rows; ++y)
+    pair_rows(gray.ptr(y), gray.ptr(y + 1), gray.cols, pairs[y]);
+  return pairs;
 }
 
 }  // namespace
@@ -113,7 +125,7 @@ cv::Mat undistort_colour(const Undistortion& undistortion, const cv::Mat& image)
   std::size_t i = 0;
   if (channels == 1) {
     i = count / kLanes * kLanes;
-    undistort_lanes(in, stride, corner, right, down, i, out);
+    undistort_lanes(paired_rows(whole)[0], corner, right, down, i, out);
   }
   for (; i < count; ++i)
     for (int c = 0; c < channels; ++c)
