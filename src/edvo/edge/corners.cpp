@@ -101,10 +101,23 @@ void wide_row(const cv::Mat_<std::uint8_t>& image, int y, int border, float* out
   }
 }
 
-// Calls visit(y, response) for each row from the top. Row by row, so that everything between the
-// image and the response stays in the cache.
-template <typename Visitor>
-void for_each_response_row(const cv::Mat_<std::uint8_t>& image, double window_sigma,
+// The largest of them and `least`.
+EDVO_CLONES float largest(const float* values, std::size_t count, float least) {
+  Floats most = Floats{} + least;
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    const Floats& v = lanes(values + i);
+    most = v > most ? v : most;
+  }
+  for (; i < count; ++i) least = std::max(least, values[i]);
+  for (std::size_t k = 0; k < kLanes; ++k) least = std::max(least, most[k]);
+  return least;
+}
+
+// Writes the response of each row from the top to row_of(y) and calls visit(y). Row by row, so that
+// everything between the image and the response stays in the cache.
+template <typename RowOf, typename Visitor>
+void for_each_response_row(const cv::Mat_<std::uint8_t>& image, double window_sigma, RowOf&& row_of,
                            Visitor&& visit) {
   const std::vector<float> kernel = gaussian(window_sigma);
   const int radius = static_cast<int>(kernel.size()) - 1;
@@ -115,7 +128,6 @@ void for_each_response_row(const cv::Mat_<std::uint8_t>& image, double window_si
   cv::Mat_<float> products(3, columns + 2 * radius, 0.F), blurred(3 * length, columns);
   cv::Mat_<float> sums(3, columns);  // of xx, xy and yy over the window
   std::vector<const float*> rows(static_cast<std::size_t>(length));
-  std::vector<float> response(static_cast<std::size_t>(image.cols));
   for (int i = 0; i < image.rows + 2 * border; ++i) {
     wide_row(image, i - border, border, pixels[i % 3]);
     const int y = i - 2;  // of the products, counted from the first
@@ -132,8 +144,8 @@ void for_each_response_row(const cv::Mat_<std::uint8_t>& image, double window_si
         rows[static_cast<std::size_t>(k)] = blurred[p * length + (y - 2 * radius + k) % length];
       weighted_sum(rows.data(), kernel.data(), radius, columns, sums[p]);
     }
-    smaller_eigenvalue(sums[0], sums[1], sums[2], image.cols, response.data());
-    visit(y - 2 * radius, response.data());
+    smaller_eigenvalue(sums[0], sums[1], sums[2], image.cols, row_of(y - 2 * radius));
+    visit(y - 2 * radius);
   }
 }
 
@@ -158,9 +170,9 @@ std::vector<Corner> local_maxima(const cv::Mat_<std::uint8_t>& image,
   float strongest = 0;
   cv::Mat_<float> ring(3, image.cols);
   std::vector<std::uint8_t> marks(width);
-  for_each_response_row(image, options.window_sigma, [&](int y, const float* response) {
-    std::copy_n(response, width, ring[y % 3]);
-    strongest = std::max(strongest, *std::max_element(response, response + width));
+  const auto row_of = [&](int y) { return ring[y % 3]; };
+  for_each_response_row(image, options.window_sigma, row_of, [&](int y) {
+    strongest = largest(ring[y % 3], width, strongest);
     if (y < 2) return;
     const float* row = ring[(y - 1) % 3];
     mark_maxima(ring[(y - 2) % 3], row, ring[y % 3], image.cols, marks.data());
@@ -179,9 +191,8 @@ std::vector<Corner> local_maxima(const cv::Mat_<std::uint8_t>& image,
 
 cv::Mat_<float> min_eigenvalue(const cv::Mat_<std::uint8_t>& image, double window_sigma) {
   cv::Mat_<float> response(image.size());
-  for_each_response_row(image, window_sigma, [&](int y, const float* row) {
-    std::copy_n(row, image.cols, response[y]);
-  });
+  for_each_response_row(
+      image, window_sigma, [&](int y) { return response[y]; }, [](int) {});
   return response;
 }
 
