@@ -19,7 +19,7 @@ struct WindowOptions {
   int points = 300;
   int iterations = 5;
   double tolerance = 5e-4;
-  double sigma = 6.0;           // [grey levels]
+  double sigma = 2.0;           // [grey levels]
   double huber = 1.345;         // [sigmas]
   double own_sigma = 0.6;       // [1]
   double softness = 50.0;       // [grey levels / px]
@@ -40,11 +40,11 @@ void visit_fields(Self& self, Visitor&& visit) {
         "linearizations per refinement, shared by a few frames");
   visit("tolerance", self.tolerance, Range{0, 1},
         "a step that lowers the cost by a smaller share ends the refinement");
-  visit("sigma", self.sigma, Range{0.1, 255}, "sigma of the photometric residuals [grey levels]");
+  visit("sigma", self.sigma, Range{0.1, 255},
+        "least sigma of the photometric residuals [grey levels]");
   visit("huber", self.huber, Range{0.1, 100}, "theta_H of the photometric residuals [sigmas]");
-  visit(
-      "own_sigma", self.own_sigma, Range{0, 100},
-      "least sigma of the residuals of two keyframes / that which they show; 0 = the same for all");
+  visit("own_sigma", self.own_sigma, Range{0, 100},
+        "sigma of the residuals of two keyframes / that which they show; 0 = the same for all");
   visit("softness", self.softness, Range{1, 1e6},
         "gradient at which a pixel's weight is halved [grey levels / px]");
   visit("depth_noise", self.depth_noise, Range{1e-6, 1},

@@ -14,6 +14,8 @@ namespace edvo {
 namespace {
 
 constexpr int kN = kKeyframeUnknowns;
+// [grey levels] A pair that is given a larger sigma has its depth count less, too.
+constexpr float kFittingSigma = 6.F;
 
 // How far a motion between two keyframes moves points in the image, about [px].
 double pixels_moved(const SE3& motion, const WindowKeyframe& host, const PairConstants& c) {
@@ -58,10 +60,10 @@ float shown_sigma(const PairConstants& c, const PairGeometry& g,
 // Two keyframes that fit badly, since one is blurred, say less of where they are: with their
 // images, and with their depth, which was taken in the same motion.
 PairConstants weighed(PairConstants c, float shown) {
-  const float sigma = std::max(c.sigma, c.own_sigma * shown);
-  const float ratio = c.sigma / sigma;
+  const float own = c.own_sigma * shown;
+  const float ratio = kFittingSigma / std::max(kFittingSigma, own);
+  c.sigma = std::max(c.sigma, own);
   c.geometric *= ratio * ratio;
-  c.sigma = sigma;
   return c;
 }
 
