@@ -216,8 +216,8 @@ void print_images(const World& w, const Rates& rates) {
   const auto pixels = static_cast<double>(w.first.depth.size().area());
   const Undistortion distorted = make_undistortion(
       {w.undistortion.camera, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}});  // as TUM's freiburg1
-  print_row("grey and undistorted, both images",
-            {.bytes = (3 + 1 + 1 + 6 + 1 + 4 + 4 + 4) * pixels,
+  print_row("grey and undistorted",
+            {.bytes = (3 + 1 + 1 + 6 + 1) * pixels,
              .operations = kUndistortOperations * pixels},
             seconds_of([&] { keep(make_frame(w.second_image, distorted, {.levels = 1})); }), rates);
   print_row("pyramid, 6 levels",
