@@ -217,8 +217,7 @@ void print_images(const World& w, const Rates& rates) {
   const Undistortion distorted = make_undistortion(
       {w.undistortion.camera, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}});  // as TUM's freiburg1
   print_row("grey and undistorted",
-            {.bytes = (3 + 1 + 1 + 6 + 1) * pixels,
-             .operations = kUndistortOperations * pixels},
+            {.bytes = (3 + 1 + 1 + 6 + 1) * pixels, .operations = kUndistortOperations * pixels},
             seconds_of([&] { keep(make_frame(w.second_image, distorted, {.levels = 1})); }), rates);
   print_row("pyramid, 6 levels",
             {.bytes = 5.0 / 3 * pixels, .operations = 4.0 / 3 * kPyramidOperations * pixels},
