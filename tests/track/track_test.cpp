@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/error.hpp"
+#include "edvo/core/lanes.hpp"
 #include "edvo/frame/frame.hpp"
+#include "edvo/track/bilinear.hpp"
 #include "edvo/track/tracker.hpp"
 #include "support/matchers.hpp"
 #include "support/plane_frame.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace edvo {
 namespace {
@@ -70,6 +74,52 @@ TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
                   0.02 * std::abs(numeric) + 400)  // half a grey level of rounding over 1 px
           << "point " << i << " component " << k;
     }
+}
+
+// Pixels that fill no whole block of lanes, some of which lie outside of coarse levels.
+TEST(Reference, HoldsThePointsThatLieInsideEachLevel) {
+  const Frame frame = plane_frame({});
+  std::vector<SelectedPixel> pixels;
+  for (const cv::Point p : {cv::Point{300, 200},
+                            {5, 240},
+                            {40, 41},
+                            {634, 100},
+                            {320, 475},
+                            {601, 440},
+                            {100, 99},
+                            {8, 8},
+                            {33, 35},
+                            {310, 77},
+                            {9, 300}})
+    pixels.push_back({p, frame.depth(p.y, p.x), 1.F});
+  const Reference reference = make_reference(frame, pixels, {});
+  for (std::size_t l = 0; l < frame.levels.size(); ++l) {
+    const cv::Mat_<std::uint8_t>& gray = frame.levels[l].gray;
+    const ReferenceLevel& level = reference.levels[l];
+    std::size_t n = 0;
+    for (const SelectedPixel& pixel : pixels) {
+      const float u = std::ldexp(static_cast<float>(pixel.pixel.x), -static_cast<int>(l));
+      const float v = std::ldexp(static_cast<float>(pixel.pixel.y), -static_cast<int>(l));
+      if (!inside(gray, u, v, 1)) continue;
+      ASSERT_LT(n, level.count) << l;
+      EXPECT_EQ(level.z[n], pixel.depth);
+      EXPECT_NEAR(level.intensity[n], bilinear(gray, u, v), 1e-3F) << l << ' ' << n;
+      ++n;
+    }
+    EXPECT_EQ(level.count, n) << l;
+    EXPECT_EQ(level.x.size() % kLanes, 0U);
+    for (std::size_t k = n; k < level.x.size(); ++k) EXPECT_EQ(level.z[k], 0.F);
+  }
+}
+
+TEST(Photometric, CostAloneIsThatOfTheSums) {
+  const Frame key = plane_frame({}), current = plane_frame(motion(0.01, 0.02, -0.01, 0, 0, 0.01));
+  const Reference reference = make_reference(key, grid_pixels(key, 9), {});
+  std::vector<float> residuals;
+  photometric_residuals(reference.levels[0], current.levels[0], {}, residuals);
+  for (const Loss loss : {Loss::kHuber, Loss::kStudent, Loss::kTukey})
+    EXPECT_EQ(photometric_cost(reference.levels[0], residuals, 4.F, loss, 2.F),
+              sum_photometric(reference.levels[0], residuals, 1.1, 4.F, loss, 2.F).cost);
 }
 
 TEST(Robust, WeightIsTheDerivativeOfTheCostOverTheResidual) {
@@ -184,6 +234,18 @@ TEST(Surface, SigmaIsTheNoiseOfTheSensorOnceAligned) {
   for (float& z : noisy) z = 1 / (1 / z + static_cast<float>(random.gaussian(kSigma)));
   EXPECT_NEAR(sigma(surface, noisy, inverse(moved)), kSigma, 3e-4);
   EXPECT_EQ(sigma({}, noisy, SE3{}), 0.F);
+}
+
+TEST(Surface, WhatWasSeenIsStaleOncePointsHaveMovedAPixel) {
+  const Frame key = plane_frame({});
+  const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
+  SeenSurface seen;
+  EXPECT_TRUE(seen.is_stale({}, kVgaCamera));
+  see_surface(surface, kVgaCamera, key.depth, {}, seen);
+  EXPECT_FALSE(seen.is_stale(motion(0.002, 0, 0, 0, 0, 0), kVgaCamera));
+  EXPECT_FALSE(seen.is_stale(motion(0, 0, 0, 0, 0.0015, 0), kVgaCamera));
+  EXPECT_TRUE(seen.is_stale(motion(0.01, 0, 0, 0, 0, 0), kVgaCamera));
+  EXPECT_TRUE(seen.is_stale(motion(0, 0, 0, 0, 0.003, 0), kVgaCamera));
 }
 
 TEST(Tracker, InformationIsSymmetricAndPositive) {
