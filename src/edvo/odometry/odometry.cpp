@@ -210,7 +210,8 @@ bool Odometry::State::outdone_by(const Frame& frame, const TrackResult& result) 
          frame.sharpness > factor * key_sharpness;
 }
 
-// Edges, corners, points, window. False, and nothing changed, if too little can be tracked.
+// Edges, corners, points, window. False, and nothing changed, if too little can be tracked. Of all
+// frames these alone have their depth undistorted as a whole.
 bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, FrameReport& report) {
   Stopwatch watch;
   frame.depth = frame.depth.undistorted();

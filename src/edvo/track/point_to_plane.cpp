@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 
 namespace edvo {
@@ -18,8 +17,7 @@ constexpr int kProducts = 21;        // of the six columns of the Jacobian
 constexpr std::size_t kBlock = 256;  // sums of floats stay short, sums of blocks are double
 constexpr float kTukey = 6.F;        // [sigmas] farther off, it is another surface
 constexpr float kSaturation = kTukey * kTukey / 6.F;
-constexpr double kStale = 1.0;       // [px] pieces of surface are larger
-constexpr double kUsualDepth = 1.5;  // [m]
+constexpr double kStale = 1.0;  // [px] pieces of surface are larger
 
 // Which pixel each point projects to, row-major, negative where it is not in view; and the ray
 // through it, z = 1.
@@ -112,9 +110,7 @@ void add(const Accumulated& from, PoseSums& sums) {
 bool SeenSurface::is_stale(const SE3& cur_from_ref, const Camera& camera) const {
   if (!from) return true;
   const SE3 moved = cur_from_ref * inverse(*from);
-  return std::abs(camera.fx) *
-             std::max(moved.translation.norm() / kUsualDepth, rotation_angle(moved)) >
-         kStale;
+  return pixels_moved(camera, moved.translation.norm(), rotation_angle(moved)) > kStale;
 }
 
 void see_surface(const SurfacePoints& surface, const Camera& camera, const Depth& depth,

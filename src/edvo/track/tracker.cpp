@@ -97,10 +97,9 @@ class LevelProblem {
             .bias = alignment.bias + kIntensityUnit * step[7]};
   }
 
-  // Pixels that a step moves a point at the mean depth by.
+  // Pixels that a step moves points by.
   [[nodiscard]] double step_size(const Vector8d& step) const {
-    const double f = std::abs(current_.camera.fx);
-    return f * std::max(step.head<3>().norm() / mean_depth_, step.segment<3>(3).norm());
+    return pixels_moved(current_.camera, step.head<3>().norm(), step.segment<3>(3).norm());
   }
 
  private:
@@ -170,7 +169,6 @@ class LevelProblem {
   CentrePrior prior_;
   float sigma_ = 10.F;                             // [grey levels]
   float depth_noise_ = 0.F;                        // [1 / m]
-  double mean_depth_ = 1.5;                        // [m]
   mutable std::optional<Alignment> residuals_at_;  // of which those in scratch_ are
 };
 

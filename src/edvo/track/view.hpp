@@ -4,7 +4,9 @@
 #include "edvo/core/camera.hpp"
 #include "edvo/core/se3.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace edvo {
 
@@ -29,6 +31,13 @@ struct View {
   view.cx = static_cast<float>(camera.cx);
   view.cy = static_cast<float>(camera.cy);
   return view;
+}
+
+// About how far a motion of these lengths [m], [rad] moves points in the image [px].
+[[nodiscard]] inline double pixels_moved(const Camera& camera, double translation,
+                                         double rotation) {
+  constexpr double kUsualDepth = 1.5;  // [m]
+  return std::abs(camera.fx) * std::max(translation / kUsualDepth, rotation);
 }
 
 }  // namespace edvo
