@@ -64,11 +64,6 @@ KernelWindow window_of(const OnnxNode& node, const OnnxTensor& weights) {
   return window;
 }
 
-KernelWindow Enlargement::window() const {
-  const std::int64_t side = last - first + 1;
-  return {.kernel = {side, side}, .before = {-first, -first}, .after = {last, last}};
-}
-
 Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed) {
   const auto extra = integers(node, "output_padding");
   const std::int64_t s = transposed.stride.y, k = transposed.kernel.y, p = transposed.before.y;
@@ -77,29 +72,28 @@ Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed)
       std::ranges::any_of(extra, [](std::int64_t n) { return n != 0; }) ||
       integer(node, "group").value_or(1) != 1 || s < 1 || k - 2 * p != s || p < 0)
     fail("ConvTranspose that does not enlarge by its stride");
-  Enlargement enlargement{.factor = s, .first = 0, .last = (s - 1 + p) / s};
-  while (p - s * (enlargement.first - 1) <= k - 1) --enlargement.first;
-  return enlargement;
+  const std::int64_t K = (k + s - 1) / s;
+  const std::int64_t before = K - 1 - p / s, after = (p + s - 1) / s;
+  return {.factor = s,
+          .padding = p,
+          .window = {.kernel = {K, K}, .before = {before, before}, .after = {after, after}}};
 }
 
-std::vector<float> spread_weights(const OnnxTensor& weights, const KernelWindow& transposed,
-                                  const Enlargement& by) {
+std::vector<float> spread_weights(const OnnxTensor& weights, const Enlargement& by) {
   const std::vector<float> numbers = floats_of(weights);
   const std::int64_t inputs = weights.dims[0], outputs = weights.dims[1], k = weights.dims[2];
-  const std::int64_t s = by.factor, K = by.window().kernel.y, before = transposed.before.y;
+  const std::int64_t s = by.factor, K = by.window.kernel.y;
   std::vector<float> spread(static_cast<std::size_t>(s * s * outputs * inputs * K * K), 0.F);
-  const auto tap = [&](std::int64_t r, std::int64_t d) { return r + before - s * d; };
-  const auto inside = [k](std::int64_t t) { return t >= 0 && t < k; };
   auto to = spread.begin();
   for (std::int64_t ry = 0; ry < s; ++ry)
     for (std::int64_t rx = 0; rx < s; ++rx)
       for (std::int64_t output = 0; output < outputs; ++output)
         for (std::int64_t input = 0; input < inputs; ++input)
-          for (std::int64_t dy = by.first; dy <= by.last; ++dy)
-            for (std::int64_t dx = by.first; dx <= by.last; ++dx, ++to)
-              if (inside(tap(ry, dy)) && inside(tap(rx, dx)))
-                *to = numbers[static_cast<std::size_t>(
-                    ((input * outputs + output) * k + tap(ry, dy)) * k + tap(rx, dx))];
+          for (std::int64_t y = s * (K - 1) + ry; y >= 0; y -= s)
+            for (std::int64_t x = s * (K - 1) + rx; x >= 0; x -= s, ++to)
+              if (y < k && x < k)
+                *to = numbers[static_cast<std::size_t>(((input * outputs + output) * k + y) * k +
+                                                       x)];
   return spread;
 }
 

@@ -33,20 +33,21 @@ struct KernelWindow {
 [[nodiscard]] KernelWindow window_of(const OnnxNode& node, const OnnxTensor& weights);
 
 // A transposed convolution that enlarges s times is a convolution with s * s times the channels,
-// each for one place among s x s pixels, which are then spread: out[s q + r] takes the kernel at
-// r + p - s d of in[q + d].
+// each for one place among s x s pixels, which are then spread. To take no more of the kernel than
+// a pixel needs, its places are those of the result moved by the convolution's padding p:
+// out[s q + r - p] takes the kernel at s d + r of in[q - d].
 struct Enlargement {
-  std::int64_t factor = 1;           // s
-  std::int64_t first = 0, last = 0;  // d, of all r
+  std::int64_t factor = 1;   // s
+  std::int64_t padding = 0;  // p
+  KernelWindow window;       // of the convolution
 
-  [[nodiscard]] KernelWindow window() const;  // of the convolution
+  // The rows and columns, once spread, that lie before the result's.
+  [[nodiscard]] std::int64_t margin() const { return padding % factor; }
 };
 
 [[nodiscard]] Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed);
 
 // The convolution's weights: input x output x k x k -> (s s output) x input x K x K.
-[[nodiscard]] std::vector<float> spread_weights(const OnnxTensor& weights,
-                                                const KernelWindow& transposed,
-                                                const Enlargement& by);
+[[nodiscard]] std::vector<float> spread_weights(const OnnxTensor& weights, const Enlargement& by);
 
 }  // namespace edvo

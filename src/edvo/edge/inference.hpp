@@ -21,10 +21,10 @@ class Inference {
  public:
   virtual ~Inference() = default;
 
-  // 1 x 3 x H x W floats -> the network's output. Uses at most as many threads as cv::setNumThreads
+  // The image as the network wants it -> the network's output. Uses at most as many threads as cv::setNumThreads
   // says; the result does not depend on it. Throws Error(kModel), naming the reason but not the
   // file, if the network cannot run on this size.
-  [[nodiscard]] virtual cv::Mat forward(const cv::Mat& blob) = 0;
+  [[nodiscard]] virtual cv::Mat forward(const cv::Mat_<cv::Vec3f>& image) = 0;
 };
 
 // Both throw Error(kModel), naming the reason but not the file, if the engine cannot load the

@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <opencv2/dnn/dnn.hpp>  // blobFromImage
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
@@ -137,8 +136,9 @@ class NetworkDetector final : public EdgeDetector {
 
   [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
     const Fitted fitted = fit(bgr, description_.input, source_);
-    cv::Mat_<float> strength = run(fitted.image)(cv::Rect({}, fitted.content)).clone();
+    cv::Mat_<float> strength = run(fitted.image);
     activate(strength);
+    if (fitted.content != strength.size()) strength = strength(cv::Rect({}, fitted.content)).clone();
     if (fitted.content != bgr.size()) {
       cv::Mat resized;
       cv::resize(strength, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);
@@ -150,11 +150,7 @@ class NetworkDetector final : public EdgeDetector {
  private:
   // The network's output for a fitted image: as large as that, finite.
   cv::Mat_<float> run(const cv::Mat& image) const {
-    const NetworkInput& input = description_.input;
-    const cv::Mat blob = cv::dnn::blobFromImage(
-        image, input.scale, cv::Size(), cv::Scalar(input.mean[0], input.mean[1], input.mean[2]),
-        input.channels == ChannelOrder::kRgb, false, CV_32F);
-    const cv::Mat output = forward(blob);
+    const cv::Mat output = forward(normalized(image));
     const bool is_plane = output.dims >= 2 && output.type() == CV_32FC1 &&
                           output.size[output.dims - 2] == image.rows &&
                           output.size[output.dims - 1] == image.cols &&
@@ -170,10 +166,21 @@ class NetworkDetector final : public EdgeDetector {
     return plane;
   }
 
-  cv::Mat forward(const cv::Mat& blob) const {
+  cv::Mat_<cv::Vec3f> normalized(const cv::Mat& bgr) const {
+    const NetworkInput& input = description_.input;
+    cv::Mat channels = bgr;
+    if (input.channels == ChannelOrder::kRgb) cv::cvtColor(bgr, channels, cv::COLOR_BGR2RGB);
+    cv::Mat_<cv::Vec3f> image;
+    cv::subtract(channels, cv::Scalar(input.mean[0], input.mean[1], input.mean[2]), image,
+                 cv::noArray(), CV_32F);
+    if (input.scale != 1) image.convertTo(image, CV_32F, input.scale);
+    return image;
+  }
+
+  cv::Mat forward(const cv::Mat_<cv::Vec3f>& image) const {
     const std::scoped_lock lock(mutex_);
     try {
-      return inference_->forward(blob);
+      return inference_->forward(image);
     } catch (const Error& error) {
       fail(source_, error.what());
     }
@@ -181,7 +188,8 @@ class NetworkDetector final : public EdgeDetector {
 
   void activate(cv::Mat_<float>& strength) const {
     if (description_.output.activation == Activation::kSigmoid) {
-      for (float& value : strength) value = 1 / (1 + std::exp(-value));
+      cv::exp(-strength, strength);
+      strength = 1 / (1 + strength);
       return;
     }
     double lowest = 0, highest = 0;

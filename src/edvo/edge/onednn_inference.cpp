@@ -43,11 +43,11 @@ class OneDnnInference final : public Inference {
     prepare({1, 3, size.height, size.width});
   }
 
-  [[nodiscard]] cv::Mat forward(const cv::Mat& blob) override {
+  [[nodiscard]] cv::Mat forward(const cv::Mat_<cv::Vec3f>& image) override {
     const ThreadCount threads(thread_count());
-    prepare({blob.size.p, blob.size.p + blob.dims});
+    prepare({1, 3, image.rows, image.cols});
     try {
-      return run(*plan_, blob);
+      return run(*plan_, image);
     } catch (const dnnl::error& error) {
       refuse(plan_->image, error.what());
     }

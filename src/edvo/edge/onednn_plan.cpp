@@ -55,7 +55,7 @@ class Buffers {
     const std::size_t bytes = layout.get_size();
     auto best = free_.end();
     for (auto it = free_.begin(); it != free_.end(); ++it)
-      if (size_of(*it) >= bytes && (best == free_.end() || size_of(*it) < size_of(*best)))
+      if (size_of(*it) >= bytes && (best == free_.end() || size_of(*it) <= size_of(*best)))
         best = it;
     if (best == free_.end()) {
       const memory::desc flat({static_cast<memory::dim>(bytes)}, memory::data_type::u8, Layout::a);
@@ -90,7 +90,7 @@ class Planner {
     for (const OnnxNode& node : std::views::reverse(graph.nodes))
       if (is_used(node))
         for (const std::string& input : node.inputs) ++uses_[input];
-    plan_.input = buffers_.take(plain(image));
+    plan_.input = buffers_.take(channels_last(image));
     values_[graph.image] = {.memory = plan_.input, .copies = {}};
     for (std::size_t i = 0; i < graph.nodes.size(); ++i)
       if (is_used(graph.nodes[i]) && !fused_.contains(i)) add(i);
@@ -190,30 +190,37 @@ class Planner {
     const KernelWindow transposed = window_of(node, kernel);
     if (kernel.dims[0] != source[1]) fail("ConvTranspose whose weights do not fit its input");
     const Enlargement by = enlargement_of(node, transposed);
-    const KernelWindow window = by.window();
-    const memory::dim s = by.factor, K = window.kernel.y, outputs = kernel.dims[1];
-    const memory::dim height = source[2], width = source[3];
+    const memory::dim s = by.factor, K = by.window.kernel.y, outputs = kernel.dims[1];
+    const memory::dim height = s * source[2], width = s * source[3];
+    const Sides places = by.window.output_size({source[2], source[3]});
     std::vector<float> bias;
     for (memory::dim r = 0; r < s * s; ++r)
       std::ranges::copy(bias_of(node, outputs), std::back_inserter(bias));
-    Fused fused = fuse(i, {1, outputs, s * height, s * width}, Fusible::kFunctions);
+    Fused fused = fuse(i, {1, outputs, height, width}, Fusible::kFunctions);
     const std::string result = std::exchange(fused.output, fused.output + " before it is spread");
     uses_[fused.output] = 1;
-    convolve(node.inputs[0], {s * s * outputs, source[1], K, K},
-             spread_weights(kernel, transposed, by), bias, window,
-             channels_last({1, s * s * outputs, height, width}), fused);
+    convolve(node.inputs[0], {s * s * outputs, source[1], K, K}, spread_weights(kernel, by), bias,
+             by.window, channels_last({1, s * s * outputs, places.y, places.x}), fused);
     // Both as height x s x width x s x channels.
-    const Dims sides = {height, s, width, s, outputs};
-    const memory::dim row = width * s * s * outputs;
+    const Dims sides = {places.y, s, places.x, s, outputs};
+    const memory::dim row = places.x * s * s * outputs;
     const memory::desc from(sides, kFloat, {row, s * outputs, s * s * outputs, outputs, 1});
-    const memory::desc to(sides, kFloat, {row, width * s * outputs, s * outputs, outputs, 1});
-    const memory spread = buffers_.take(channels_last({1, outputs, s * height, s * width}));
+    const memory::desc to(sides, kFloat, {row, places.x * s * outputs, s * outputs, outputs, 1});
+    const memory::desc spread = channels_last({1, outputs, s * places.y, s * places.x});
+    memory all = buffers_.take(spread);
     const memory packed = values_.at(fused.output).memory;
-    const memory source_view(from, plan_.engine, packed.get_data_handle());
-    const memory target_view(to, plan_.engine, spread.get_data_handle());
-    reorder(source_view, target_view);
+    reorder({from, plan_.engine, packed.get_data_handle()},
+            {to, plan_.engine, all.get_data_handle()});
     release(fused.output);
-    values_[result] = {.memory = spread, .copies = {}};
+    if (by.margin() > 0) {
+      const Dims inner = {1, outputs, height, width};
+      const memory cut = buffers_.take(channels_last(inner));
+      reorder({spread.submemory_desc(inner, {0, 0, by.margin(), by.margin()}), plan_.engine,
+               all.get_data_handle()},
+              cut);
+      buffers_.give_back(std::exchange(all, cut));
+    }
+    values_[result] = {.memory = all, .copies = {}};
   }
 
   void convolve(const std::string& input, const Dims& weights, const std::vector<float>& kernel,
@@ -331,15 +338,20 @@ class Planner {
 
   void add_concatenation(const OnnxNode& node) {
     if (integer(node, "axis").value_or(0) != 1) fail("Concat along other than channels");
-    std::vector<memory::desc> sources;
-    Arguments arguments;
+    Dims dims = dims_of(node.inputs[0]);
+    dims[1] = 0;
+    for (const std::string& input : node.inputs) dims[1] += dims_of(input)[1];
+    const memory::desc layout = channels_last(dims);
+    const memory all = buffers_.take(layout);
+    Dims offset(dims.size(), 0);
     for (const std::string& input : node.inputs) {
-      const memory source = in_layout(input, channels_last(dims_of(input)));
-      arguments.emplace(DNNL_ARG_MULTIPLE_SRC + static_cast<int>(sources.size()), source);
-      sources.push_back(source.get_desc());
+      const memory part = values_of(input).memory;
+      const Dims sides = part.get_desc().dims();
+      reorder(part, {layout.submemory_desc(sides, offset), plan_.engine, all.get_data_handle()});
+      offset[1] += sides[1];
     }
-    const dnnl::concat::primitive_desc chosen(1, sources, plan_.engine);
-    finish(dnnl::concat(chosen), std::move(arguments), chosen.dst_desc(), node.inputs, alone(node));
+    for (const std::string& input : node.inputs) release(input);
+    values_[node.outputs[0]] = {.memory = all, .copies = {}};
   }
 
   // As OpenCV and torch enlarge images: centres of pixels at half integers.
@@ -547,8 +559,9 @@ NetworkPlan plan_network(const OnnxGraph& graph, const std::string& output, cons
   return Planner(graph, output, image).take();
 }
 
-cv::Mat run(NetworkPlan& plan, const cv::Mat& blob) {
-  std::memcpy(plan.input.get_data_handle(), blob.data, blob.total() * sizeof(float));
+cv::Mat run(NetworkPlan& plan, const cv::Mat_<cv::Vec3f>& image) {
+  CV_Assert(image.isContinuous());
+  std::memcpy(plan.input.get_data_handle(), image.data, image.total() * image.elemSize());
   for (const auto& [primitive, arguments] : plan.steps) primitive.execute(plan.stream, arguments);
   plan.stream.wait();
   const Dims dims = plan.output.get_desc().dims();

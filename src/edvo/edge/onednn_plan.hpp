@@ -23,7 +23,7 @@ struct NetworkPlan {
   dnnl::stream stream{engine};
   std::vector<dnnl::memory> buffers;  // that the steps' values lie in
   std::vector<Step> steps;            // in their order
-  dnnl::memory input, output;         // plain
+  dnnl::memory input, output;         // channels last, plain
 };
 
 // The steps that an output of the graph needs. Threads: as many as OpenMP has now, and when it
@@ -31,7 +31,7 @@ struct NetworkPlan {
 [[nodiscard]] NetworkPlan plan_network(const OnnxGraph& graph, const std::string& output,
                                        const dnnl::memory::dims& image);
 
-// blob: floats, as large as the plan's image. Returns floats of the output's shape.
-[[nodiscard]] cv::Mat run(NetworkPlan& plan, const cv::Mat& blob);
+// The image as large as the plan's. Returns floats of the output's shape.
+[[nodiscard]] cv::Mat run(NetworkPlan& plan, const cv::Mat_<cv::Vec3f>& image);
 
 }  // namespace edvo

@@ -28,13 +28,13 @@ class OpenCvInference final : public Inference {
                                                reason_of(error)));
   }
 
-  [[nodiscard]] cv::Mat forward(const cv::Mat& blob) override try {
-    network_.setInput(blob);
+  [[nodiscard]] cv::Mat forward(const cv::Mat_<cv::Vec3f>& image) override try {
+    network_.setInput(cv::dnn::blobFromImage(image));
     return network_.forward(output_).clone();
   } catch (const cv::Exception& error) {
     throw Error(ErrorCode::kModel,
                 fmt::format("OpenCV {} cannot run this network on an image of {} x {} px: {}",
-                            CV_VERSION, blob.size[3], blob.size[2], reason_of(error)));
+                            CV_VERSION, image.cols, image.rows, reason_of(error)));
   }
 
  private:
