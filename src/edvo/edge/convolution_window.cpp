@@ -92,8 +92,8 @@ std::vector<float> spread_weights(const OnnxTensor& weights, const Enlargement& 
           for (std::int64_t y = s * (K - 1) + ry; y >= 0; y -= s)
             for (std::int64_t x = s * (K - 1) + rx; x >= 0; x -= s, ++to)
               if (y < k && x < k)
-                *to = numbers[static_cast<std::size_t>(((input * outputs + output) * k + y) * k +
-                                                       x)];
+                *to =
+                    numbers[static_cast<std::size_t>(((input * outputs + output) * k + y) * k + x)];
   return spread;
 }
 

@@ -138,7 +138,8 @@ class NetworkDetector final : public EdgeDetector {
     const Fitted fitted = fit(bgr, description_.input, source_);
     cv::Mat_<float> strength = run(fitted.image);
     activate(strength);
-    if (fitted.content != strength.size()) strength = strength(cv::Rect({}, fitted.content)).clone();
+    if (fitted.content != strength.size())
+      strength = strength(cv::Rect({}, fitted.content)).clone();
     if (fitted.content != bgr.size()) {
       cv::Mat resized;
       cv::resize(strength, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);
