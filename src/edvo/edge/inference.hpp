@@ -21,8 +21,8 @@ class Inference {
  public:
   virtual ~Inference() = default;
 
-  // The image as the network wants it -> the network's output. Uses at most as many threads as
-  // cv::setNumThreads says; the result does not depend on it. Throws Error(kModel), naming the
+  // The image in the network's numbers, H x W -> the network's output. Uses at most as many threads
+  // as cv::setNumThreads says; the result does not depend on it. Throws Error(kModel), naming the
   // reason but not the file, if the network cannot run on this size.
   [[nodiscard]] virtual cv::Mat forward(const cv::Mat_<cv::Vec3f>& image) = 0;
 };

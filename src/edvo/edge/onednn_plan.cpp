@@ -339,8 +339,12 @@ class Planner {
   void add_concatenation(const OnnxNode& node) {
     if (integer(node, "axis").value_or(0) != 1) fail("Concat along other than channels");
     Dims dims = dims_of(node.inputs[0]);
+    const auto size = [](const Dims& of) { return Dims(of.begin() + 2, of.end()); };
     dims[1] = 0;
-    for (const std::string& input : node.inputs) dims[1] += dims_of(input)[1];
+    for (const std::string& input : node.inputs) {
+      if (size(dims_of(input)) != size(dims)) fail("Concat of two sizes");
+      dims[1] += dims_of(input)[1];
+    }
     const memory::desc layout = channels_last(dims);
     const memory all = buffers_.take(layout);
     Dims offset(dims.size(), 0);
