@@ -227,7 +227,8 @@ OnnxTensor onnx_tensor(std::string_view message) {
 std::vector<float> floats_of(const OnnxTensor& tensor) {
   if (tensor.type != OnnxType::kFloat) fail("a constant is not of 32-bit floats");
   std::vector<float> numbers(tensor.data.size() / sizeof(float));
-  std::memcpy(numbers.data(), tensor.data.data(), tensor.data.size());
+  if (!numbers.empty())  // memcpy knows no null, not even for nothing
+    std::memcpy(numbers.data(), tensor.data.data(), numbers.size() * sizeof(float));
   return numbers;
 }
 
