@@ -55,14 +55,11 @@ class MergeHalf(nn.Sequential):
     def forward(self, fine, coarse):
         return super().forward(torch.cat([fine, coarse], 1))
 
-    def in_groups(self):
-        return InGroups(self)
-
 
 class InGroups(nn.Module):
     """The same as MergeHalf after folding, on groups of channels that are never put together.
 
-    What a layer reads and writes then stays in the CPU's cache: half of the time at half resolution.
+    What a layer reads and writes then stays in the CPU's cache.
     """
 
     def __init__(self, merge):
@@ -82,9 +79,9 @@ class InGroups(nn.Module):
     @staticmethod
     def part(conv, outputs, inputs, has_bias=True):
         weight = conv.weight.data[outputs, inputs]
-        part = nn.Conv2d(weight.shape[1] if conv.groups == 1 else weight.shape[0], weight.shape[0],
-                         conv.kernel_size, conv.stride, conv.padding, conv.dilation,
-                         1 if conv.groups == 1 else weight.shape[0], bias=has_bias)
+        groups = 1 if conv.groups == 1 else len(weight)
+        part = nn.Conv2d(groups * weight.shape[1], len(weight), conv.kernel_size, conv.stride,
+                         conv.padding, conv.dilation, groups, bias=has_bias)
         part.weight.data = weight.clone()
         if has_bias:
             part.bias.data = conv.bias.data[outputs].clone()
@@ -145,7 +142,7 @@ def merged(net, weights=(0.5, 0.5), bias=0.0):
         for name, child in list(module.named_children()):
             if isinstance(child, ConvNorm):
                 setattr(module, name, child.folded())
-    out.merge_half = out.merge_half.in_groups()
+    out.merge_half = InGroups(out.merge_half)
     share = torch.tensor(weights, dtype=torch.float32)
     head = nn.ConvTranspose2d(out.head.in_channels, 1, 4, 2, 1)
     head.weight.data = (out.head.weight.data * share[None, :, None, None]).sum(1, keepdim=True)

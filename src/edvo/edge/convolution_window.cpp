@@ -75,7 +75,7 @@ Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed)
   const std::int64_t K = (k + s - 1) / s;
   const std::int64_t before = K - 1 - p / s, after = (p + s - 1) / s;
   return {.factor = s,
-          .padding = p,
+          .margin = p % s,
           .window = {.kernel = {K, K}, .before = {before, before}, .after = {after, after}}};
 }
 

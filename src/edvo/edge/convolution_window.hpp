@@ -37,12 +37,9 @@ struct KernelWindow {
 // a pixel needs, its places are those of the result moved by the convolution's padding p:
 // out[s q + r - p] takes the kernel at s d + r of in[q - d].
 struct Enlargement {
-  std::int64_t factor = 1;   // s
-  std::int64_t padding = 0;  // p
-  KernelWindow window;       // of the convolution
-
-  // The rows and columns, once spread, that lie before the result's.
-  [[nodiscard]] std::int64_t margin() const { return padding % factor; }
+  std::int64_t factor = 1;  // s
+  std::int64_t margin = 0;  // rows and columns, once spread, that lie before the result's
+  KernelWindow window;      // of the convolution
 };
 
 [[nodiscard]] Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed);

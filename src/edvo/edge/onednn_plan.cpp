@@ -53,7 +53,7 @@ class Buffers {
 
   memory take(const memory::desc& layout) {
     const std::size_t bytes = layout.get_size();
-    auto best = free_.end();
+    auto best = free_.end();  // of equal ones the last given back: the cache may still hold it
     for (auto it = free_.begin(); it != free_.end(); ++it)
       if (size_of(*it) >= bytes && (best == free_.end() || size_of(*it) <= size_of(*best)))
         best = it;
@@ -212,10 +212,10 @@ class Planner {
     reorder({from, plan_.engine, packed.get_data_handle()},
             {to, plan_.engine, all.get_data_handle()});
     release(fused.output);
-    if (by.margin() > 0) {
+    if (by.margin > 0) {
       const Dims inner = {1, outputs, height, width};
       const memory cut = buffers_.take(channels_last(inner));
-      reorder({spread.submemory_desc(inner, {0, 0, by.margin(), by.margin()}), plan_.engine,
+      reorder({spread.submemory_desc(inner, {0, 0, by.margin, by.margin}), plan_.engine,
                all.get_data_handle()},
               cut);
       buffers_.give_back(std::exchange(all, cut));
