@@ -10,14 +10,15 @@ from pathlib import Path
 
 # Higher may include lower. A folder may include itself, not a neighbour of its own height.
 HEIGHT = {
-    "apps": 6, "python": 6, "benchmarks": 6, "examples": 6,
-    "report": 5, "synth": 5, "eval": 5,
+    "apps": 7, "python": 7, "benchmarks": 7, "examples": 7,
+    "report": 6, "synth": 6, "eval": 6,
+    "slam": 5,
     "odometry": 4,
-    "track": 3, "edge": 3,
+    "track": 3, "edge": 3, "map": 3,
     "frame": 2, "io": 2,
     "core": 1,
 }
-SILENT = {"core", "io", "frame", "edge", "track", "odometry"}  # never print, never exit
+SILENT = {"core", "io", "frame", "edge", "track", "map", "odometry", "slam"}  # never print, never exit
 MAY_TOUCH_FILES = {"io", "report"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](edvo/)?([^">]+)[">]')
