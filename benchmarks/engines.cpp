@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Edge networks through both engines in turn, in one process: a busy machine slows both down alike.
 #include "edvo/core/error.hpp"
-#include "edvo/edge/network.hpp"
 #include "edvo/eval/statistics.hpp"
 #include "edvo/io/model_file.hpp"
+#include "edvo/network/edge_network.hpp"
 #include "memory.hpp"
 
 #include <fmt/format.h>

@@ -4,12 +4,12 @@
 // it is counted.
 //
 // floor [COLOUR.png DEPTH.png]: decodes these (rendered ones otherwise); all else is rendered.
+#include "edvo/align/image_shift.hpp"
 #include "edvo/core/lanes.hpp"
 #include "edvo/core/simd.hpp"
-#include "edvo/edge/canny.hpp"
 #include "edvo/eval/statistics.hpp"
+#include "edvo/features/canny.hpp"
 #include "edvo/io/image_file.hpp"
-#include "edvo/track/turn.hpp"
 #include "measure.hpp"
 #include "memory.hpp"
 #include "world.hpp"
@@ -152,7 +152,7 @@ constexpr double kSurfaceBytes = 6 * sizeof(float) + sizeof(float);
 // loss 10, Jacobian 20, products of eight unknowns and the inverse depth 9 + 45 * 2, gradient 18.
 constexpr double kPatchOperations = 18 + 7 + 14 + 10 + 20 + 99 + 18;
 
-Need alignment_need(const Reference& reference, const TrackResult& result) {
+Need alignment_need(const Reference& reference, const AlignResult& result) {
   Need need;
   const auto surface = static_cast<double>(reference.surface.x.size());
   for (const LevelStats& level : result.levels) {
@@ -166,7 +166,7 @@ Need alignment_need(const Reference& reference, const TrackResult& result) {
 // Points of the newest keyframe in all others and theirs in it, in every iteration, and the
 // elimination of all inverse depths.
 Need window_need(const WindowOptions& options) {
-  const double keyframes = options.keyframes + options.anchors, points = options.points;
+  const double keyframes = options.keyframes + options.fixed_keyframes, points = options.points;
   const double unknowns = 8.0 * options.keyframes;
   const double pairs = 2 * (keyframes - 1);
   return {.bytes = options.iterations * pairs * points * (sizeof(WindowPoint) + 4 * kPatchSize),
@@ -174,9 +174,9 @@ Need window_need(const WindowOptions& options) {
                                               keyframes * points * unknowns * (unknowns + 1))};
 }
 
-LocalMap full_map(const World& w, int step) {
-  LocalMap map;
-  const int count = w.config.window.keyframes + w.config.window.anchors;
+KeyframeWindow full_map(const World& w, int step) {
+  KeyframeWindow map;
+  const int count = w.config.window.keyframes + w.config.window.fixed_keyframes;
   for (int k = 0; k + 1 < count; ++k) {
     const int i = k * step;
     const Frame frame =
@@ -241,8 +241,8 @@ void print_tracking(const World& w, const Rates& rates) {
              .operations = count * (2 * 2.5 * std::log2(count) + 1 + 3 + 4)},
             seconds_of([&] { keep(correlation.shift_to(small)); }), rates);
 
-  TrackScratch scratch;
-  TrackOptions options = w.config.tracking;
+  AlignScratch scratch;
+  AlignOptions options = w.config.tracking;
   options.finest_level = w.config.coarse.finest_level;
   options.coarsest_level = w.config.coarse.coarsest_level;
   Reference coarse =
@@ -251,12 +251,12 @@ void print_tracking(const World& w, const Rates& rates) {
   coarse.surface = make_surface(w.first.depth, w.undistortion.camera, 2 * w.config.coarse.step,
                                 options.depth_noise);
   print_row("coarse alignment",
-            alignment_need(coarse, track(coarse, w.second, {}, options, scratch)),
-            seconds_of([&] { keep(track(coarse, w.second, {}, options, scratch)); }), rates);
+            alignment_need(coarse, align(coarse, w.second, {}, options, scratch)),
+            seconds_of([&] { keep(align(coarse, w.second, {}, options, scratch)); }), rates);
   print_row(
       "alignment",
-      alignment_need(w.reference, track(w.reference, w.second, {}, w.config.tracking, scratch)),
-      seconds_of([&] { keep(track(w.reference, w.second, {}, w.config.tracking, scratch)); }),
+      alignment_need(w.reference, align(w.reference, w.second, {}, w.config.tracking, scratch)),
+      seconds_of([&] { keep(align(w.reference, w.second, {}, w.config.tracking, scratch)); }),
       rates);
 }
 
@@ -281,16 +281,16 @@ void print_keyframe(const World& w, const Rates& rates) {
             seconds_of([&] { keep(w.reference_with_surface()); }), rates);
 
   constexpr int kStep = 5;  // frames between keyframes
-  const LocalMap map = full_map(w, kStep);
-  const int last = kStep * (w.config.window.keyframes + w.config.window.anchors - 1);
+  const KeyframeWindow map = full_map(w, kStep);
+  const int last = kStep * (w.config.window.keyframes + w.config.window.fixed_keyframes - 1);
   const Frame frame =
       make_frame(synth::make_frame(w.sequence, last), w.undistortion, w.config.frame);
   const SE3 pose = synth::pose_of(w.sequence, last).world_from_camera;
   const std::vector<SelectedPixel> selected =
       select_pixels(frame, w.mask_of(frame), w.undistortion.valid, w.config.selection);
-  const double copy = seconds_of([&] { keep(LocalMap(map)); });
+  const double copy = seconds_of([&] { keep(KeyframeWindow(map)); });
   const double all = seconds_of([&] {
-    LocalMap one_more = map;
+    KeyframeWindow one_more = map;
     one_more.add(frame, pose, {}, selected, w.config);
     one_more.refine(w.undistortion.camera, w.config.window);
   });

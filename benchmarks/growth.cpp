@@ -58,7 +58,7 @@ Cost cost_of(const synth::SyntheticSequence& sequence, const Config& config) {
     const double begin = cpu_seconds();
     const PreparedImage prepared = odometry.prepare(image);
     const double middle = cpu_seconds();
-    const FrameReport report = odometry.process_prepared(prepared);
+    const FrameResult report = odometry.process_prepared(prepared);
     const double end = cpu_seconds();
     all += 1e3 * (end - begin);
     points += report.points;

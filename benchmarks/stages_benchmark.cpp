@@ -52,7 +52,7 @@ BENCHMARK(reference_stage)->Name("reference and surface")->Unit(benchmark::kMill
 void tracking_stage(benchmark::State& state) {
   const World& w = world();
   for (auto _ : state)
-    benchmark::DoNotOptimize(track(w.reference, w.second, Alignment{}, w.config.tracking));
+    benchmark::DoNotOptimize(align(w.reference, w.second, Alignment{}, w.config.tracking));
 }
 BENCHMARK(tracking_stage)->Name("tracking")->Unit(benchmark::kMillisecond);
 
@@ -65,11 +65,11 @@ void map_stage(benchmark::State& state) {
       w.undistortion.valid, w.config.selection);
   const SE3 first_from_second = inverse(synth::pose_of(w.sequence, 0).world_from_camera) *
                                 synth::pose_of(w.sequence, kSecondFrame).world_from_camera;
-  LocalMap one;
+  KeyframeWindow one;
   one.add(w.first, SE3{}, Alignment{}, w.pixels, w.config);
   for (auto _ : state) {
     state.PauseTiming();
-    LocalMap map = one;
+    KeyframeWindow map = one;
     state.ResumeTiming();
     map.add(w.second, first_from_second, Alignment{}, pixels, w.config);
     map.refine(w.sequence.camera.pinhole, w.config.window);

@@ -2,9 +2,9 @@
 // What the benchmarks of single stages run on: rendered, so that no data is needed.
 #pragma once
 
-#include "edvo/odometry/local_map.hpp"
+#include "edvo/align/align.hpp"
+#include "edvo/odometry/edge_mask.hpp"
 #include "edvo/synth/sequence.hpp"
-#include "edvo/track/tracker.hpp"
 
 namespace edvo::benchmarks {
 
@@ -30,7 +30,8 @@ struct World {
   }
 
   [[nodiscard]] Reference reference_with_surface() const {
-    Reference made = make_reference(first, pixels, {.softness = config.tracking.softness});
+    Reference made = make_reference(
+        first, pixels, {.gradient_weight_scale = config.tracking.gradient_weight_scale});
     made.surface = make_surface(first.depth, undistortion.camera, config.tracking.surface_cell,
                                 config.tracking.depth_noise);
     return made;

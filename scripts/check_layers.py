@@ -10,15 +10,22 @@ from pathlib import Path
 
 # Higher may include lower. A folder may include itself, not a neighbour of its own height.
 HEIGHT = {
-    "apps": 7, "python": 7, "benchmarks": 7, "examples": 7,
-    "report": 6, "synth": 6, "eval": 6,
-    "slam": 5,
-    "odometry": 4,
-    "track": 3, "edge": 3, "map": 3,
-    "frame": 2, "io": 2,
-    "core": 1,
+    "apps": 12, "python": 12, "benchmarks": 12, "examples": 12,
+    "run": 11,
+    "report": 10,
+    "slam": 9, "synth": 9, "eval": 9,
+    "odometry": 8,
+    "map": 7,
+    "window": 6,
+    "align": 5, "network": 5,
+    "features": 4, "source": 4,
+    "image": 3, "io": 3,
+    "core": 2,
+    "simd": 1,
 }
-SILENT = {"core", "io", "frame", "edge", "track", "map", "odometry", "slam"}  # never print, never exit
+# Never print, never exit.
+SILENT = {"simd", "core", "io", "image", "features", "network", "align", "window", "map", "odometry",
+          "slam", "source"}
 MAY_TOUCH_FILES = {"io", "report"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](edvo/)?([^">]+)[">]')

@@ -3,9 +3,9 @@
 #include "commands.hpp"
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/edge/network.hpp"
 #include "edvo/io/model_cache.hpp"
 #include "edvo/io/model_file.hpp"
+#include "edvo/network/edge_network.hpp"
 #include "model_choice.hpp"
 #include "stop_signal.hpp"
 
@@ -132,7 +132,7 @@ void pull(const PullArguments& arguments) {
   const auto description = pull_model(
       model, folder,
       {.address = arguments.url,
-       .patience = arguments.timeout,
+       .max_lost_frames = arguments.timeout,
        .on_progress =
            [&progress](std::int64_t done) {
              progress.show(done);

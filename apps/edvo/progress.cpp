@@ -36,7 +36,7 @@ Progress::~Progress() {
   clear_line();
 }
 
-void Progress::frame_done(const FrameReport& report) {
+void Progress::frame_done(const FrameResult& report) {
   status_ = std::string(name_of(report.status));
   inlier_ratio_ = report.inlier_ratio;
   if (report.status == FrameStatus::kLost) ++lost_;

@@ -2,7 +2,7 @@
 // How far a run is: one line that is rewritten on a terminal, a line per tenth elsewhere.
 #pragma once
 
-#include "edvo/odometry/frame_report.hpp"
+#include "edvo/odometry/frame_result.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -19,7 +19,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void frame_done(const FrameReport& report);
+  void frame_done(const FrameResult& report);
   void frame_skipped();
 
   // A line of its own, whatever stands on the terminal. Shown also when quiet.

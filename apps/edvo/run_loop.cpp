@@ -2,8 +2,8 @@
 #include "run_loop.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/edge/network.hpp"
 #include "edvo/io/prefetch.hpp"
+#include "edvo/network/edge_network.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
@@ -33,7 +33,8 @@ fs::path make_run_folder(const RunOptions& options, const std::string& sequence)
 }
 
 // The frame tracked, or why there is none.
-std::variant<FrameReport, Error> process(Odometry& odometry, const Fetched<PreparedImage>& frame) {
+std::variant<FrameResult, Error> process(Odometry& odometry,
+                                         const Prefetched<PreparedImage>& frame) {
   if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
     return odometry.process_prepared(std::get<PreparedImage>(frame.content));
@@ -78,10 +79,10 @@ std::unique_ptr<EdgeDetector> remembering_network(const RunOptions& options, con
 // True if a signal ended it early.
 bool track_all(const FrameInput& input, Prefetch<PreparedImage>& frames, Odometry& odometry,
                Recorder& recorder, Progress& progress) {
-  while (const std::optional<Fetched<PreparedImage>> frame = frames.next()) {
+  while (const std::optional<Prefetched<PreparedImage>> frame = frames.next()) {
     const std::int64_t index = input.first_index + static_cast<std::int64_t>(frame->index);
-    std::variant<FrameReport, Error> result = process(odometry, *frame);
-    if (FrameReport* report = std::get_if<FrameReport>(&result)) {
+    std::variant<FrameResult, Error> result = process(odometry, *frame);
+    if (FrameResult* report = std::get_if<FrameResult>(&result)) {
       report->index = index;
       recorder.append(*report);
       progress.frame_done(*report);

@@ -2,7 +2,7 @@
 // Frames in, a run on disk and its summary out: what `edvo run` and `edvo demo` have in common.
 #pragma once
 
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/report/summary.hpp"
 #include "run_evaluation.hpp"
 #include "run_options.hpp"

@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
 
   edvo::Odometry odometry(chosen.camera, edvo::preset(edvo::Method::kCannyCorner));
   for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
-    const edvo::FrameReport report = odometry.process(edvo::read_frame(dataset, i));
+    const edvo::FrameResult report = odometry.process(edvo::read_frame(dataset, i));
     std::cout << edvo::to_string(report.stamp) << ' ' << edvo::name_of(report.status) << ' '
               << report.world_from_camera.translation.transpose() << " m\n";
   }

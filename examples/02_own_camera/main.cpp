@@ -58,7 +58,7 @@ int main() try {
 
   edvo::Odometry odometry(camera, config);
   const FakeSensor sensor(pinhole);
-  edvo::FrameReport report;
+  edvo::FrameResult report;
   for (int i = 0; i < kFrames; ++i) {
     report = odometry.process({.stamp = edvo::stamp_from_seconds(i / 30.0),
                                .bgr = sensor.colour(i),

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What tracking takes from the heap. A program of its own, because its malloc counts.
 #include "allocation/counted_malloc.hpp"
-#include "edvo/odometry/local_map.hpp"
+#include "edvo/align/image_shift.hpp"
+#include "edvo/odometry/edge_mask.hpp"
 #include "edvo/odometry/odometry.hpp"
-#include "edvo/track/turn.hpp"
 #include "support/synthetic_plane.hpp"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ std::int64_t taken_between_keyframes(const Config& config, int frames) {
   bool after_keyframe = true;
   for (int i = 0; i < frames; ++i) {
     const PreparedImage prepared = odometry.prepare(image(i));
-    FrameReport report;
+    FrameResult report;
     const std::int64_t of_this = taken_by([&] { report = odometry.process_prepared(prepared); });
     EXPECT_NE(report.status, FrameStatus::kLost) << i;
     const bool doubles = std::has_single_bit(static_cast<unsigned>(i));
@@ -77,13 +77,13 @@ TEST(Allocation, TrackingWithRoomToWorkTakesNothing) {
       {});
   reference.surface = make_surface(key.depth, undistortion.camera, config.tracking.surface_cell,
                                    config.tracking.depth_noise);
-  TrackScratch scratch;
-  const auto align = [&] {
-    const TrackResult result = track(reference, current, {}, config.tracking, scratch);
-    EXPECT_EQ(result.status, TrackStatus::kTracked);
+  AlignScratch scratch;
+  const auto align_once = [&] {
+    const AlignResult result = align(reference, current, {}, config.tracking, scratch);
+    EXPECT_EQ(result.status, AlignStatus::kTracked);
   };
-  EXPECT_GT(taken_by(align), 0);  // the first time
-  EXPECT_EQ(taken_by(align), 0);
+  EXPECT_GT(taken_by(align_once), 0);  // the first time
+  EXPECT_EQ(taken_by(align_once), 0);
   EXPECT_EQ(taken_by([&] { (void)coarse_cost(reference, current, {}, config.tracking, scratch); }),
             0);
 }

@@ -170,7 +170,7 @@ TEST_F(BenchCommand, SaysThatTrackingWasLost) {
   write(R"([[variant]]
 name = "impossible"
 set = ["tracking.min_overlap=1", "tracking.min_inliers=1",
-  "tracking.min_correlation=1", "keyframes.patience=1000"]
+  "tracking.min_correlation=1", "keyframes.max_lost_frames=1000"]
 [[sequence]]
 name = "room"
 path = "room"

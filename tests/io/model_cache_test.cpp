@@ -31,12 +31,13 @@ std::string some_bytes() {
 
 class PullModel : public testing::Test {
  protected:
-  std::optional<fs::path> pull(int patience = 5) const {
-    return pull_model(model_, folder_,
-                      {.address = server_.url(), .patience = patience, .on_progress = progress_});
+  std::optional<fs::path> pull(int max_lost_frames = 5) const {
+    return pull_model(
+        model_, folder_,
+        {.address = server_.url(), .max_lost_frames = max_lost_frames, .on_progress = progress_});
   }
-  auto refuses(std::initializer_list<std::string> parts, int patience = 5) const {
-    return fails_with(ErrorCode::kModel, parts, [&] { (void)pull(patience); });
+  auto refuses(std::initializer_list<std::string> parts, int max_lost_frames = 5) const {
+    return fails_with(ErrorCode::kModel, parts, [&] { (void)pull(max_lost_frames); });
   }
   std::size_t part_size() const {
     std::error_code error;
@@ -162,9 +163,9 @@ TEST_F(PullModel, TriesTheNextAddress) {
   both[1] = second;
   model_.addresses = both;
   std::vector<std::string> notes;
-  expect_whole(pull_model(model_, folder_, {.patience = 5, .on_note = [&](const std::string& note) {
-                                              notes.push_back(note);
-                                            }}));
+  expect_whole(pull_model(
+      model_, folder_,
+      {.max_lost_frames = 5, .on_note = [&](const std::string& note) { notes.push_back(note); }}));
   EXPECT_THAT(notes, ElementsAre("from http://127.0.0.1:1/model.onnx",
                                  ::testing::HasSubstr("cannot be downloaded"), "from " + second));
 }
@@ -172,7 +173,7 @@ TEST_F(PullModel, TriesTheNextAddress) {
 TEST_F(PullModel, SaysSoOffline) {
   const auto offline = [&](const std::string& address) {
     return fails_with(ErrorCode::kModel, {address, "check the network", "--from FILE"}, [&] {
-      (void)pull_model(model_, folder_, {.address = address, .patience = 5});
+      (void)pull_model(model_, folder_, {.address = address, .max_lost_frames = 5});
     });
   };
   EXPECT_TRUE(offline("http://127.0.0.1:1/model.onnx"));

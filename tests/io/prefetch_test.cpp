@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/io/prefetch.hpp"
 
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 
 #include <gtest/gtest.h>
 #include <atomic>

@@ -35,7 +35,7 @@ Outcome follow(const SequenceOptions& options, const Camera& camera = test::kQvg
   Outcome outcome;
   for (int i = 0; i < synth::frame_count(sequence); ++i) {
     if (dropped.contains(i)) continue;
-    const FrameReport report = odometry.process(synth::make_frame(sequence, i));
+    const FrameResult report = odometry.process(synth::make_frame(sequence, i));
     EXPECT_TRUE(is_finite(report.world_from_camera)) << i;
     if (report.status == FrameStatus::kLost) {
       ++outcome.lost;
@@ -160,7 +160,7 @@ TEST(BadConditions, StandingStillForAMinuteDriftsByLessThanFiveMillimetres) {
     RgbdImage image = synth::sense(exact, options.sensor, camera.fx, seconds, 0,
                                    static_cast<std::uint64_t>(i), 1);
     image.stamp = stamp_from_seconds(seconds);
-    const FrameReport report = odometry.process(image);
+    const FrameResult report = odometry.process(image);
     ASSERT_NE(report.status, FrameStatus::kLost) << i;
     worst = std::max(worst, report.world_from_camera.translation.norm());
   }

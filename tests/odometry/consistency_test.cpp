@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Is the covariance that comes with a pose true? The normalized estimation error squared
 // (Bar-Shalom, Li, Kirubarajan 2001, section 5.4), e' information e, is 6 on average if so.
+#include "edvo/align/align.hpp"
+#include "edvo/align/surface.hpp"
 #include "edvo/core/se3.hpp"
 #include "edvo/odometry/config.hpp"
-#include "edvo/odometry/local_map.hpp"
-#include "edvo/track/surface.hpp"
-#include "edvo/track/tracker.hpp"
+#include "edvo/odometry/edge_mask.hpp"
 #include "support/rendered_sequence.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ Reference reference_of(const Frame& frame, const Undistortion& undistortion, con
       with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
   Reference reference =
       make_reference(frame, select_pixels(frame, mask, undistortion.valid, config.selection),
-                     {.softness = config.tracking.softness,
+                     {.gradient_weight_scale = config.tracking.gradient_weight_scale,
                       .finest_level = config.tracking.finest_level,
                       .coarsest_level = config.tracking.coarsest_level});
   reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
@@ -64,8 +64,8 @@ double normalized_error(const Setting& setting) {
     const SE3 world_from_key = synth::pose_of(sequence, first).world_from_camera;
     Alignment guess;
     for (int i = first + 1; i < first + kFramesPerKeyframe; ++i) {
-      const TrackResult result = track(reference, frame_at(i), guess, config.tracking);
-      EXPECT_EQ(result.status, TrackStatus::kTracked) << i;
+      const AlignResult result = align(reference, frame_at(i), guess, config.tracking);
+      EXPECT_EQ(result.status, AlignStatus::kTracked) << i;
       const SE3 truth = inverse(synth::pose_of(sequence, i).world_from_camera) * world_from_key;
       const Vector6d error = log(inverse(result.alignment.cur_from_ref) * truth);
       sum += error.dot(result.information * error);
@@ -86,7 +86,7 @@ TEST_P(Consistency, ErrorsAreAsLargeAsTheInformationSays) {
   EXPECT_LE(ratio, 3.0);
 }
 
-// kSharedError was chosen on these.
+// kInformationScale was chosen on these.
 INSTANTIATE_TEST_SUITE_P(
     Settings, Consistency,
     testing::Values(Setting{SceneName::kOffice}, Setting{SceneName::kLivingRoom},

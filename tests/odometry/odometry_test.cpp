@@ -46,7 +46,7 @@ RgbdImage nothing(int i) {
 TEST(Odometry, FollowsACameraAlongAPlane) {
   Odometry odometry({kVgaCamera, {}}, preset(Method::kCannyCorner));
   for (int i = 0; i < 20; ++i) {
-    const FrameReport report = odometry.process(view(i, sideways(i)));
+    const FrameResult report = odometry.process(view(i, sideways(i)));
     EXPECT_EQ(report.status, i == 0 ? FrameStatus::kFirst : FrameStatus::kTracked);
     EXPECT_THAT(report.world_from_camera, NearPose(sideways(i), 4e-3)) << i;
   }
@@ -86,7 +86,7 @@ TEST(Odometry, KeyframesComeByPeriod) {
   config.keyframes = {.period = 4, .translation = 100, .rotation = 100, .overlap = 0, .inliers = 0};
   Odometry odometry({kVgaCamera, {}}, config);
   for (int i = 0; i < 13; ++i) {
-    const FrameReport report = odometry.process(view(i, {}));
+    const FrameResult report = odometry.process(view(i, {}));
     const bool expected = i % 4 == 0;
     EXPECT_EQ(report.keyframe.has_value(), expected) << i;
     if (i > 0 && expected) {
@@ -116,11 +116,11 @@ TEST(Odometry, SaysLostAndGoesOnWhenItCan) {
   Odometry odometry({kVgaCamera, {}}, preset(Method::kCannyCorner));
   for (int i = 0; i < 5; ++i) (void)odometry.process(view(i, sideways(i)));
   for (int i = 5; i < 8; ++i) {
-    const FrameReport report = odometry.process(nothing(i));
+    const FrameResult report = odometry.process(nothing(i));
     EXPECT_EQ(report.status, FrameStatus::kLost);
     EXPECT_TRUE(is_finite(report.world_from_camera));
   }
-  const FrameReport back = odometry.process(view(8, sideways(5)));
+  const FrameResult back = odometry.process(view(8, sideways(5)));
   EXPECT_EQ(back.status, FrameStatus::kTracked);
   EXPECT_THAT(back.world_from_camera, NearPose(sideways(5), 4e-3));
   EXPECT_EQ(odometry.trajectory().size(), 6U);  // lost frames are left out
@@ -128,13 +128,13 @@ TEST(Odometry, SaysLostAndGoesOnWhenItCan) {
 
 TEST(Odometry, StartsAgainAfterItsPatience) {
   Config config = preset(Method::kCannyCorner);
-  config.keyframes.patience = 2;
+  config.keyframes.max_lost_frames = 2;
   config.selection.min_gradient = 0;  // the plane is smooth
   Odometry odometry({kVgaCamera, {}}, config);
   for (int i = 0; i < 3; ++i) (void)odometry.process(view(i, {}));
   for (int i = 3; i < 8; ++i) (void)odometry.process(nothing(i));
   const SE3 elsewhere{.translation = {1.5, -0.8, 0}};
-  FrameReport report = odometry.process(view(8, elsewhere));
+  FrameResult report = odometry.process(view(8, elsewhere));
   for (int i = 9; i < 14 && report.status == FrameStatus::kLost; ++i)
     report = odometry.process(view(i, elsewhere));
   EXPECT_EQ(report.status, FrameStatus::kTracked);

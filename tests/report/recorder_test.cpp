@@ -55,7 +55,7 @@ TEST(Recorder, HasEveryFrameOnDiskAsSoonAsItIsTold) {
 TEST(Recorder, WritesWhatIsKnownOfAFrame) {
   const test::TemporaryFolder folder;
   Recorder recorder(folder.path(), sample_description());
-  FrameReport report = sample_report(20);
+  FrameResult report = sample_report(20);
   report.world_from_camera = {.translation = {1, 2, 3}};
   report.information(0, 5) = 7;
   recorder.append(report);
@@ -73,9 +73,9 @@ TEST(Recorder, WritesWhatIsKnownOfAFrame) {
 TEST(Recorder, LeavesLostFramesOutOfTheTrajectory) {
   const test::TemporaryFolder folder;
   Recorder recorder(folder.path(), sample_description());
-  FrameReport lost = sample_report(1);
+  FrameResult lost = sample_report(1);
   lost.status = FrameStatus::kLost;
-  for (const FrameReport& report : {sample_report(0), lost, sample_report(2)})
+  for (const FrameResult& report : {sample_report(0), lost, sample_report(2)})
     recorder.append(report);
   EXPECT_EQ(read_trajectory(folder.path() / "trajectory.tum").trajectory.size(), 2u);
   EXPECT_EQ(lines_of(folder.path() / "frames.jsonl")[1]["status"], "lost");
@@ -84,7 +84,7 @@ TEST(Recorder, LeavesLostFramesOutOfTheTrajectory) {
 TEST(Recorder, WritesNullForWhatIsNotANumber) {
   const test::TemporaryFolder folder;
   Recorder recorder(folder.path(), sample_description());
-  FrameReport report = sample_report(1);
+  FrameResult report = sample_report(1);
   report.status = FrameStatus::kLost;
   report.rms = std::numeric_limits<double>::quiet_NaN();
   report.levels[0].cost = std::numeric_limits<double>::infinity();

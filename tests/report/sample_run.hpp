@@ -8,10 +8,10 @@
 
 namespace edvo::test {
 
-inline FrameReport sample_report(std::int64_t index) {
+inline FrameResult sample_report(std::int64_t index) {
   const double angle = 0.01 * static_cast<double>(index);
   const bool lost = index % 400 > 390;
-  FrameReport report{
+  FrameResult report{
       .index = index,
       .stamp = stamp_from_seconds(1305031102.175304 + static_cast<double>(index) / 30.0),
       .status = index == 0 ? FrameStatus::kFirst
@@ -68,7 +68,7 @@ inline SampleRun sample_run(std::int64_t frames) {
                           .ate_pairs = frames,
                           .rpe_pairs = frames};
   for (std::int64_t i = 0; i < frames; ++i) {
-    const FrameReport report = sample_report(i);
+    const FrameResult report = sample_report(i);
     run.log.frames.push_back({.index = i,
                               .stamp = report.stamp,
                               .status = report.status,

@@ -23,15 +23,15 @@ def check(**files):
 
 class CheckLayers(unittest.TestCase):
     def test_downward_includes_pass(self):
-        status, _ = check(src__edvo__track__a='#include "edvo/core/se3.hpp"\n'
-                                              '#include "edvo/track/b.hpp"\n#include <vector>\n')
+        status, _ = check(src__edvo__align__a='#include "edvo/core/se3.hpp"\n'
+                                              '#include "edvo/align/b.hpp"\n#include <vector>\n')
         self.assertEqual(status, 0)
 
     def test_upward_and_sideways_includes_fail_with_their_line(self):
         status, output = check(src__edvo__core__a='\n#include "edvo/io/x.hpp"\n')
         self.assertEqual(status, 1)
         self.assertIn("src/edvo/core/a.cpp:2: layer 'core' must not include 'io'", output)
-        self.assertEqual(check(src__edvo__track__a='#include <edvo/edge/x.hpp>\n')[0], 1)
+        self.assertEqual(check(src__edvo__align__a='#include <edvo/network/x.hpp>\n')[0], 1)
 
     def test_the_library_does_not_print_or_exit(self):
         for text in ("#include <iostream>", "void f() { std::cerr << 1; }", 'void f() { printf("x"); }',
@@ -40,7 +40,7 @@ class CheckLayers(unittest.TestCase):
         self.assertEqual(check(apps__edvo__a='fmt::print("x");')[0], 0)
 
     def test_only_io_and_report_touch_files(self):
-        for layer, status in (("core", 1), ("track", 1), ("eval", 1), ("synth", 1), ("io", 0),
+        for layer, status in (("core", 1), ("align", 1), ("eval", 1), ("synth", 1), ("io", 0),
                               ("report", 0)):
             self.assertEqual(check(**{f"src__edvo__{layer}__a": "#include <fstream>"})[0], status)
 

@@ -2,8 +2,8 @@
 // Frames of a textured wall, pixels of them and small motions, for tests of tracking.
 #pragma once
 
-#include "edvo/frame/frame.hpp"
-#include "edvo/track/selection.hpp"
+#include "edvo/features/pixel_selection.hpp"
+#include "edvo/image/frame.hpp"
 #include "support/synthetic_plane.hpp"
 
 #include <vector>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "edvo/core/camera.hpp"
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/core/se3.hpp"
 
 #include <Eigen/Core>

@@ -2,7 +2,7 @@
 #include "edvo/synth/render.hpp"
 
 #include "edvo/core/camera.hpp"
-#include "edvo/frame/depth.hpp"
+#include "edvo/image/depth.hpp"
 #include "edvo/synth/path.hpp"
 #include "edvo/synth/rays.hpp"
 #include "edvo/synth/sequence.hpp"

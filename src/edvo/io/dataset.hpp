@@ -2,7 +2,7 @@
 // An RGB-D sequence on disk: which images there are, which belong together, and reading them.
 #pragma once
 
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/io/depth_scale.hpp"
 
 #include <cstddef>

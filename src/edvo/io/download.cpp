@@ -91,9 +91,9 @@ class Request {
     set(CURLOPT_FAILONERROR, 1L);
     set(CURLOPT_NOSIGNAL, 1L);
     set(CURLOPT_USERAGENT, "edvo/" EDVO_VERSION);
-    set(CURLOPT_CONNECTTIMEOUT, static_cast<long>(wanted.patience));
+    set(CURLOPT_CONNECTTIMEOUT, static_cast<long>(wanted.max_lost_frames));
     set(CURLOPT_LOW_SPEED_LIMIT, kLeastSpeed);
-    set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(wanted.patience));
+    set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(wanted.max_lost_frames));
     set(CURLOPT_ERRORBUFFER, message_.data());
     if (start_ > 0) set(CURLOPT_RANGE, range_.assign(fmt::format("{}-", start_)).c_str());
     set(CURLOPT_WRITEFUNCTION, &Request::on_data);
@@ -123,7 +123,7 @@ class Request {
       fail(
           fmt::format("no data, or next to none, for {} s; {} of {} bytes are here, the same "
                       "command goes on from there",
-                      wanted_.patience, size_, wanted_.bytes));
+                      wanted_.max_lost_frames, size_, wanted_.bytes));
     if (result_ == CURLE_PARTIAL_FILE || (result_ == CURLE_OK && size_ < wanted_.bytes))
       fail(fmt::format("it ended after {} of {} bytes; the same command goes on from there", size_,
                        wanted_.bytes));

@@ -10,9 +10,9 @@
 namespace edvo {
 
 struct Download {
-  std::string url;         // http or https
-  std::int64_t bytes = 0;  // that the file must have
-  int patience = 30;       // [s] without an answer or with next to no data
+  std::string url;           // http or https
+  std::int64_t bytes = 0;    // that the file must have
+  int max_lost_frames = 30;  // [s] without an answer or with next to no data
   // Told how much is there, of all bytes; false stops. From the calling thread, often.
   std::function<bool(std::int64_t done)> on_progress = {};
 };

@@ -70,7 +70,7 @@ bool fetch(const KnownModel& model, std::string address, const fs::path& file,
   try {
     if (!download({.url = std::move(address),
                    .bytes = model.bytes,
-                   .patience = options.patience,
+                   .max_lost_frames = options.max_lost_frames,
                    .on_progress = options.on_progress},
                   part))
       return false;

@@ -21,8 +21,8 @@ namespace edvo {
     const std::filesystem::path& folder, const std::string& name);
 
 struct PullOptions {
-  std::string address;  // instead of the known ones
-  int patience = 30;    // [s] without an answer or with next to no data
+  std::string address;       // instead of the known ones
+  int max_lost_frames = 30;  // [s] without an answer or with next to no data
   std::function<bool(std::int64_t done)> on_progress = {};  // [bytes]; false stops
   std::function<void(const std::string& note)> on_note = {};
 };

@@ -21,7 +21,7 @@ namespace edvo {
 
 // A frame in its place in the sequence, or why it could not be read.
 template <typename Frame>
-struct Fetched {
+struct Prefetched {
   std::size_t index = 0;
   std::variant<Frame, Error> content;
 };
@@ -42,13 +42,13 @@ class Prefetch {
   Prefetch(Read read, std::size_t count, const PrefetchOptions& options = {});
 
   // The next frame, empty after the last one.
-  [[nodiscard]] std::optional<Fetched<Frame>> next();
+  [[nodiscard]] std::optional<Prefetched<Frame>> next();
 
  private:
   // More would only hold more memory: tracking is slower than that.
   static constexpr int kMostReaders = 4;
 
-  [[nodiscard]] Fetched<Frame> fetch(std::size_t index) const;
+  [[nodiscard]] Prefetched<Frame> read_frame(std::size_t index) const;
   [[nodiscard]] bool has_room() const;
   void read_one(std::unique_lock<std::mutex>& lock);
   void work(const std::stop_token& stop);
@@ -57,7 +57,8 @@ class Prefetch {
   std::size_t count_;
   std::mutex mutex_;  // of all that follows
   std::condition_variable_any changed_;
-  std::vector<std::optional<Fetched<Frame>>> slots_;  // frame i waits in slot i modulo their number
+  std::vector<std::optional<Prefetched<Frame>>>
+      slots_;  // frame i waits in slot i modulo their number
   std::size_t next_to_read_ = 0, next_to_deliver_ = 0;
   std::vector<std::jthread> workers_;  // last: they end before what they use does
 };
@@ -76,7 +77,7 @@ Prefetch<Frame>::Prefetch(Read read, std::size_t count, const PrefetchOptions& o
 }
 
 template <typename Frame>
-Fetched<Frame> Prefetch<Frame>::fetch(std::size_t index) const {
+Prefetched<Frame> Prefetch<Frame>::read_frame(std::size_t index) const {
   try {
     return {.index = index, .content = read_(index)};
   } catch (const Error& error) {
@@ -96,7 +97,7 @@ template <typename Frame>
 void Prefetch<Frame>::read_one(std::unique_lock<std::mutex>& lock) {
   const std::size_t index = next_to_read_++;
   lock.unlock();
-  Fetched<Frame> frame = fetch(index);
+  Prefetched<Frame> frame = read_frame(index);
   lock.lock();
   slots_[index % slots_.size()] = std::move(frame);
   changed_.notify_all();
@@ -113,22 +114,22 @@ void Prefetch<Frame>::work(const std::stop_token& stop) {
 }
 
 template <typename Frame>
-std::optional<Fetched<Frame>> Prefetch<Frame>::next() {
+std::optional<Prefetched<Frame>> Prefetch<Frame>::next() {
   std::unique_lock lock(mutex_);
   if (next_to_deliver_ >= count_) return std::nullopt;
   const std::size_t index = next_to_deliver_;
   if (slots_.empty()) {
     ++next_to_deliver_;
-    return fetch(index);
+    return read_frame(index);
   }
-  std::optional<Fetched<Frame>>& slot = slots_[index % slots_.size()];
+  std::optional<Prefetched<Frame>>& slot = slots_[index % slots_.size()];
   while (!slot.has_value()) {
     if (has_room())
       read_one(lock);
     else
       changed_.wait(lock);
   }
-  std::optional<Fetched<Frame>> frame = std::exchange(slot, std::nullopt);
+  std::optional<Prefetched<Frame>> frame = std::exchange(slot, std::nullopt);
   ++next_to_deliver_;
   changed_.notify_all();
   return frame;

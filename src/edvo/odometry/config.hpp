@@ -2,12 +2,12 @@
 // Every option of the odometry, the paper's systems as presets of them, and their text form.
 #pragma once
 
+#include "edvo/align/align.hpp"
 #include "edvo/core/fields.hpp"
-#include "edvo/edge/canny.hpp"
-#include "edvo/edge/corners.hpp"
-#include "edvo/edge/network.hpp"
-#include "edvo/track/tracker.hpp"
-#include "edvo/track/window.hpp"
+#include "edvo/features/canny.hpp"
+#include "edvo/features/corners.hpp"
+#include "edvo/network/edge_network.hpp"
+#include "edvo/window/window_keyframe.hpp"
 
 #include <concepts>
 #include <string>
@@ -88,8 +88,8 @@ struct KeyframeOptions {
   double rotation = 0.15;    // [rad]
   double overlap = 0.7;      // [0..1]
   double inliers = 0.6;      // [0..1]
-  double sharper = 1.3;      // [1]
-  int patience = 2;          // frames
+  double blur_ratio = 1.3;   // [1]
+  int max_lost_frames = 2;   // frames
 };
 
 template <typename Self, typename Visitor>
@@ -103,9 +103,9 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("overlap", self.overlap, Range{0, 1}, "share of points in view below which one is due");
   visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
   visit(
-      "sharper", self.sharper, Range{0, 1e6},
+      "blur_ratio", self.blur_ratio, Range{0, 1e6},
       "squared gradients / the keyframe's, at which one is due if residuals have grown; 0 = never");
-  visit("patience", self.patience, Range{0, 1e6},
+  visit("max_lost_frames", self.max_lost_frames, Range{0, 1e6},
         "lost frames in a row after which tracking starts again from the last pose");
 }
 
@@ -117,7 +117,7 @@ struct Config {
   CornerOptions corners;
   SelectOptions selection;
   CoarseOptions coarse;
-  TrackOptions tracking;
+  AlignOptions tracking;
   KeyframeOptions keyframes;
   WindowOptions window;
 };

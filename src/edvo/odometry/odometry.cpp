@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/odometry.hpp"
 
+#include "edvo/align/edge_distance.hpp"
+#include "edvo/align/surface.hpp"
 #include "edvo/core/error.hpp"
 #include "edvo/core/inplace_vector.hpp"
-#include "edvo/odometry/coarse_motion.hpp"
-#include "edvo/odometry/local_map.hpp"
-#include "edvo/track/edge_distance.hpp"
-#include "edvo/track/selection.hpp"
-#include "edvo/track/surface.hpp"
+#include "edvo/features/pixel_selection.hpp"
+#include "edvo/odometry/edge_mask.hpp"
+#include "edvo/odometry/motion_predictor.hpp"
+#include "edvo/window/keyframe_window.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -54,7 +55,7 @@ std::string size_text(int width, int height) {
 
 using Guesses = InplaceVector<Alignment, kMostMotions>;  // to the keyframe, the likeliest first
 
-std::optional<KeyframeReason> keyframe_due(const TrackResult& result, int frames_since_keyframe,
+std::optional<KeyframeReason> keyframe_due(const AlignResult& result, int frames_since_keyframe,
                                            const KeyframeOptions& options) {
   if (options.period > 0 && frames_since_keyframe >= options.period) return KeyframeReason::kPeriod;
   const SE3& motion = result.alignment.cur_from_ref;
@@ -71,10 +72,10 @@ struct Odometry::State {
   Config config;
   Undistortion undistortion;
   std::unique_ptr<EdgeDetector> network;  // only where the options ask for one
-  LocalMap map;                           // keyframes and their joint refinement
+  KeyframeWindow map;                     // keyframes and their joint refinement
   Reference reference;                    // of the last keyframe
-  CoarseMotion coarse;                    // since the last frame
-  TrackScratch scratch;
+  MotionPredictor coarse;                 // since the last frame
+  AlignScratch scratch;
   Alignment alignment;            // of the last frame to the last keyframe
   SE3 last_from_cur;              // motion of the last two frames
   double motion_time = 0;         // that it took, 0 = not known [s]
@@ -90,15 +91,15 @@ struct Odometry::State {
   void check_size(const RgbdImage& image) const;
   void check_order(const Stamp& stamp) const;
   Alignment moved_by(const SE3& cur_from_last) const;
-  CentrePrior expected_centre(const Stamp& stamp) const;
+  PositionPrior position_prior(const Stamp& stamp) const;
   Guesses guesses(const Frame& frame);
-  TrackResult align(const Frame& frame, const Guesses& guesses);
-  TrackResult second_look(const Frame& frame, const CentrePrior& prior, const TrackResult& first);
-  bool outdone_by(const Frame& frame, const TrackResult& result) const;
-  bool add_keyframe(Frame frame, const SE3& world_from_camera, FrameReport& report);
-  void follow(const Frame& frame, FrameReport& report);
+  AlignResult align_best(const Frame& frame, const Guesses& guesses);
+  AlignResult second_look(const Frame& frame, const PositionPrior& prior, const AlignResult& first);
+  bool outdone_by(const Frame& frame, const AlignResult& result) const;
+  bool add_keyframe(Frame frame, const SE3& world_from_camera, FrameResult& report);
+  void follow(const Frame& frame, FrameResult& report);
   void start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
-             FrameReport& report);
+             FrameResult& report);
 };
 
 void Odometry::State::check_size(const RgbdImage& image) const {
@@ -129,7 +130,7 @@ Alignment Odometry::State::moved_by(const SE3& cur_from_last) const {
 
 // The motion going on, as far as the camera can leave it in that time. In a fast turn images are
 // blurred, and turning and moving aside look alike; else the images know far better.
-CentrePrior Odometry::State::expected_centre(const Stamp& stamp) const {
+PositionPrior Odometry::State::position_prior(const Stamp& stamp) const {
   if (config.coarse.acceleration == 0 || frames.empty() || motion_time <= 0) return {};
   const double gap = seconds_between(frames.back().stamp, stamp);
   if (gap > kFarAhead * motion_time) return {};
@@ -160,15 +161,16 @@ Guesses Odometry::State::guesses(const Frame& frame) {
 
 // From the likeliest guess; from the others if that fails. Looked at again where residuals are
 // large, the motion is sudden, or something else has been seen to move.
-TrackResult Odometry::State::align(const Frame& frame, const Guesses& guesses) {
-  const CentrePrior prior = expected_centre(frame.stamp);
-  TrackResult result;
+AlignResult Odometry::State::align_best(const Frame& frame, const Guesses& guesses) {
+  const PositionPrior prior = position_prior(frame.stamp);
+  AlignResult result;
   for (const Alignment& guess : guesses) {
-    result = track(reference, frame, guess, config.tracking, scratch, prior);
-    if (result.status == TrackStatus::kTracked) break;
+    result = align(reference, frame, guess, config.tracking, scratch, prior);
+    if (result.status == AlignStatus::kTracked) break;
   }
-  const bool sudden = shift(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
-                            moved_by(inverse(last_from_cur)).cur_from_ref) > kUnexpected;
+  const bool sudden =
+      mean_flow(reference, config.tracking.finest_level, result.alignment.cur_from_ref,
+                moved_by(inverse(last_from_cur)).cur_from_ref) > kUnexpected;
   const double limit =
       sudden ? std::min(1.0, config.coarse.second_look) : config.coarse.second_look;
   const bool suspicious = two_motions > 0 || result.sigma >= limit * usual_sigma;
@@ -179,40 +181,40 @@ TrackResult Odometry::State::align(const Frame& frame, const Guesses& guesses) {
 // after a keyframe its motion explains the image as well as the camera's does. Fine levels alone,
 // from the motion going on (or from none, if that is clearly better), and deaf to what does not
 // fit, find the camera's again. Once both have differed, the benefit of the doubt is the second's.
-TrackResult Odometry::State::second_look(const Frame& frame, const CentrePrior& prior,
-                                         const TrackResult& first) {
-  TrackOptions options = config.tracking;
+AlignResult Odometry::State::second_look(const Frame& frame, const PositionPrior& prior,
+                                         const AlignResult& first) {
+  AlignOptions options = config.tracking;
   options.coarsest_level = std::min(options.coarsest_level, options.finest_level + 1);
   options.loss = Loss::kTukey;
   options.loss_parameter = kSecondTukey;
-  TrackResult second;
+  AlignResult second;
   for (const Alignment& guess : {moved_by(inverse(last_from_cur)), alignment}) {
-    const TrackResult other = track(reference, frame, guess, options, scratch, prior);
-    if (other.status != TrackStatus::kTracked) continue;
-    if (second.status == TrackStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
+    const AlignResult other = align(reference, frame, guess, options, scratch, prior);
+    if (other.status != AlignStatus::kTracked) continue;
+    if (second.status == AlignStatus::kLost || other.sigma < kClearlyBetter * second.sigma)
       second = other;
   }
-  const bool differ = shift(reference, options.finest_level, first.alignment.cur_from_ref,
-                            second.alignment.cur_from_ref) > kTwoMotions;
+  const bool differ = mean_flow(reference, options.finest_level, first.alignment.cur_from_ref,
+                                second.alignment.cur_from_ref) > kTwoMotions;
   const double limit = two_motions > 0 ? kInDoubt : differ ? 1.0 : kClearlyBetter;
   two_motions = std::max(0, two_motions - 1);
-  const bool better = first.status == TrackStatus::kLost || second.sigma < limit * first.sigma;
-  if (second.status == TrackStatus::kLost || !better) return first;
+  const bool better = first.status == AlignStatus::kLost || second.sigma < limit * first.sigma;
+  if (second.status == AlignStatus::kLost || !better) return first;
   if (differ) two_motions = kReckoned;
   return second;
 }
 
-// A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
+// A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the blur_ratio it
 // is, however little it has moved: the pose may drift by centimetres while the camera stands still.
-bool Odometry::State::outdone_by(const Frame& frame, const TrackResult& result) const {
-  const double factor = config.keyframes.sharper;
+bool Odometry::State::outdone_by(const Frame& frame, const AlignResult& result) const {
+  const double factor = config.keyframes.blur_ratio;
   return factor > 0 && result.sigma > kPoorFit * usual_sigma &&
          frame.sharpness > factor * key_sharpness;
 }
 
 // Edges, corners, points, window. False, and nothing changed, if too little can be tracked. Of all
 // frames these alone have their depth undistorted as a whole.
-bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, FrameReport& report) {
+bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, FrameResult& report) {
   Stopwatch watch;
   frame.depth = frame.depth.undistorted();
   const cv::Mat_<std::uint8_t> edges = edge_mask(frame, undistortion, network.get(), config);
@@ -223,17 +225,19 @@ bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, Fr
       select_pixels(frame, candidates, undistortion.valid, config.selection);
   if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
   reference = make_reference(frame, pixels,
-                             {.softness = config.tracking.softness,
+                             {.gradient_weight_scale = config.tracking.gradient_weight_scale,
                               .finest_level = config.tracking.finest_level,
                               .coarsest_level = config.tracking.coarsest_level},
                              std::move(reference));
-  if (config.tracking.geometric > 0)
+  if (config.tracking.depth_weight > 0)
     reference.surface = make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                                      config.tracking.depth_noise, std::move(reference.surface));
   if (config.tracking.edge_distance > 0)
     reference.edge_points = edge_points(frame.edge_distance, undistortion.camera, pixels);
   report.milliseconds.selection = watch.lap();
-  map.add(frame, world_from_camera, alignment, pixels, config);
+  map.add(frame, world_from_camera, alignment,
+          spread(pixels, frame.depth.cols(), config.selection.cell, config.window.points),
+          config.window);
   report.milliseconds.window = watch.lap();
   report.world_from_camera = map.keyframes().back().world_from_camera;
   alignment = {};
@@ -244,7 +248,7 @@ bool Odometry::State::add_keyframe(Frame frame, const SE3& world_from_camera, Fr
 
 // The first frame, or the first after tracking was given up.
 void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, KeyframeReason reason,
-                            FrameReport& report) {
+                            FrameResult& report) {
   alignment = {};
   last_from_cur = {};
   motion_time = 0;
@@ -256,10 +260,10 @@ void Odometry::State::start(const Frame& frame, const SE3& world_from_camera, Ke
   frames.push_back({frame.stamp, map.keyframes().size() - 1, SE3{}});
 }
 
-void Odometry::State::follow(const Frame& frame, FrameReport& report) {
+void Odometry::State::follow(const Frame& frame, FrameResult& report) {
   Stopwatch watch;
   const Guesses starts = guesses(frame);
-  const TrackResult result = align(frame, starts);
+  const AlignResult result = align_best(frame, starts);
   report.milliseconds.tracking = watch.lap();
   report.levels = result.levels;
   report.overlap = result.overlap;
@@ -270,12 +274,12 @@ void Odometry::State::follow(const Frame& frame, FrameReport& report) {
   map.refine(undistortion.camera, config.window);
   report.milliseconds.window = watch.lap();
   const SE3 world_from_key = map.keyframes().back().world_from_camera;
-  if (result.status == TrackStatus::kLost) {
+  if (result.status == AlignStatus::kLost) {
     last_from_cur = alignment.cur_from_ref * inverse(starts.front().cur_from_ref);
     motion_time = 0;
     alignment = starts.front();
     report.world_from_camera = world_from_key * inverse(alignment.cur_from_ref);
-    if (++lost_in_a_row > config.keyframes.patience)
+    if (++lost_in_a_row > config.keyframes.max_lost_frames)
       start(frame, report.world_from_camera, KeyframeReason::kLost, report);
     return;
   }
@@ -326,17 +330,17 @@ PreparedImage Odometry::prepare(const RgbdImage& image) const {
   return prepared;
 }
 
-FrameReport Odometry::process(const RgbdImage& image) {
+FrameResult Odometry::process(const RgbdImage& image) {
   return process_prepared(prepare(image));
 }
 
-FrameReport Odometry::process_prepared(const PreparedImage& image) {
+FrameResult Odometry::process_prepared(const PreparedImage& image) {
   State& s = *state_;
   const Frame& frame = image.frame;
   s.check_order(frame.stamp);
   s.newest = frame.stamp;
   Stopwatch total;
-  FrameReport report{.index = s.images++, .stamp = frame.stamp};
+  FrameResult report{.index = s.images++, .stamp = frame.stamp};
   report.milliseconds.frame = image.milliseconds;
   if (s.map.keyframes().empty())
     s.start(frame, SE3{}, KeyframeReason::kFirst, report);
@@ -357,7 +361,7 @@ Trajectory Odometry::trajectory() const {
 }
 
 Trajectory Odometry::keyframes() const {
-  LocalMap map = state_->map;
+  KeyframeWindow map = state_->map;
   while (map.refine(state_->undistortion.camera, state_->config.window)) {
   }
   return map.keyframes();

@@ -3,12 +3,12 @@
 #pragma once
 
 #include "edvo/core/camera.hpp"
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/core/trajectory.hpp"
-#include "edvo/edge/detector.hpp"
-#include "edvo/frame/frame.hpp"
+#include "edvo/features/edge_detector.hpp"
+#include "edvo/image/frame.hpp"
 #include "edvo/odometry/config.hpp"
-#include "edvo/odometry/frame_report.hpp"
+#include "edvo/odometry/frame_result.hpp"
 
 #include <memory>
 
@@ -33,11 +33,11 @@ class Odometry {
 
   // Images must come in the order of their stamps and be of the camera's size; otherwise throws
   // Error(kInput) and changes nothing.
-  FrameReport process(const RgbdImage& image);
+  FrameResult process(const RgbdImage& image);
 
   // The same in two steps: other threads may prepare the images to come, in any order.
   [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const;
-  FrameReport process_prepared(const PreparedImage& image);
+  FrameResult process_prepared(const PreparedImage& image);
 
   // The best present estimate of every tracked frame so far: frames hang on their keyframe, so that
   // they follow when a later joint refinement moves it. Lost frames are left out.

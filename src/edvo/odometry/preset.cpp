@@ -25,7 +25,7 @@ Config preset(Method method) {
       // Frame to frame, as the paper's "without keyframes", and photometric only.
       config.keyframes = {.period = 1};
       config.coarse.acceleration = 0;
-      config.tracking.geometric = 0;
+      config.tracking.depth_weight = 0;
       config.window.keyframes = 0;
       break;
   }

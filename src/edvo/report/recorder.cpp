@@ -20,7 +20,7 @@ Recorder::Recorder(std::filesystem::path folder, RunDescription run)
   write_whole(folder_ / "config.toml", run_.config);
 }
 
-void Recorder::append(const FrameReport& report) {
+void Recorder::append(const FrameResult& report) {
   frames_.append(to_json_line(report));
   log_.frames.push_back({.index = report.index,
                          .stamp = report.stamp,

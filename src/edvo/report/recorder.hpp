@@ -19,7 +19,7 @@ class Recorder {
 
   // When this returns, the frame is on disk: a line in frames.jsonl and, unless it is lost, its
   // pose as known now in trajectory.tum.
-  void append(const FrameReport& report);
+  void append(const FrameResult& report);
 
   // A frame that could not be read.
   void append(const SkippedFrame& skipped);

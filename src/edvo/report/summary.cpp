@@ -211,7 +211,7 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
   return summary;
 }
 
-std::string to_json_line(const FrameReport& report) {
+std::string to_json_line(const FrameResult& report) {
   Json line = {{"index", report.index},
                {"stamp", to_string(report.stamp)},
                {"status", name_of(report.status)},

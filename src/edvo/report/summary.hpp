@@ -4,7 +4,7 @@
 
 #include "edvo/core/camera.hpp"
 #include "edvo/core/trajectory.hpp"
-#include "edvo/odometry/frame_report.hpp"
+#include "edvo/odometry/frame_result.hpp"
 #include "edvo/report/machine.hpp"
 
 #include <array>
@@ -140,7 +140,7 @@ struct RunSummary {
 [[nodiscard]] std::string to_json(const RunSummary& summary);
 
 // One line of frames.jsonl.
-[[nodiscard]] std::string to_json_line(const FrameReport& report);
+[[nodiscard]] std::string to_json_line(const FrameResult& report);
 [[nodiscard]] std::string to_json_line(const SkippedFrame& skipped);
 
 // The p-th quantile, p in [0..1], by linear interpolation; 0 of nothing.

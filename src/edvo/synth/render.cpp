@@ -51,7 +51,7 @@ bool is_inner(const cv::Mat_<int>& surfaces, int x, int y) {
 
 Render render(const Scene& scene, double seconds, const SE3& world_from_camera,
               const cv::Mat_<cv::Vec2f>& rays, int threads) {
-  const View view = make_view(scene, seconds, world_from_camera, rays);
+  const View view = make_warp(scene, seconds, world_from_camera, rays);
   const int width = rays.cols - 1, height = rays.rows - 1;
   const int tiles_x = (width + kTile - 1) / kTile, tiles_y = (height + kTile - 1) / kTile;
   Render image{.bgr = cv::Mat_<cv::Vec3f>(height, width),

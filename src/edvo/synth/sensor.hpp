@@ -3,7 +3,7 @@
 #pragma once
 
 #include "edvo/core/fields.hpp"
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/synth/random.hpp"
 #include "edvo/synth/render.hpp"
 

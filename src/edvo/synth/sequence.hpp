@@ -4,7 +4,7 @@
 
 #include "edvo/core/camera.hpp"
 #include "edvo/core/fields.hpp"
-#include "edvo/core/image.hpp"
+#include "edvo/core/rgbd_image.hpp"
 #include "edvo/core/trajectory.hpp"
 #include "edvo/synth/path.hpp"
 #include "edvo/synth/scene.hpp"

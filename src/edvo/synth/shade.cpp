@@ -108,7 +108,7 @@ Shade shade_ray(const View& view, const Hit& hit, float ray_x, float ray_y, floa
 
 }  // namespace
 
-View make_view(const Scene& scene, double seconds, const SE3& world_from_camera,
+View make_warp(const Scene& scene, double seconds, const SE3& world_from_camera,
                const cv::Mat_<cv::Vec2f>& rays) {
   View view{.scene = scene,
             .rays = rays,

@@ -37,7 +37,7 @@ struct View {
   float pixel_angle = 0;                         // [rad]
 };
 
-[[nodiscard]] View make_view(const Scene& scene, double seconds, const SE3& world_from_camera,
+[[nodiscard]] View make_warp(const Scene& scene, double seconds, const SE3& world_from_camera,
                              const cv::Mat_<cv::Vec2f>& rays);
 
 struct Shade {

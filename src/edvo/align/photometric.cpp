@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/align/photometric.hpp"
+
+#include "edvo/align/warp.hpp"
+#include "edvo/core/lanes.hpp"
+#include "edvo/core/simd.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+constexpr int kUnknowns = 8;
+constexpr int kColumns = kUnknowns - 1;  // of the Jacobian; the bias' is the same for all points
+constexpr std::size_t kBlock = 256;      // sums of floats stay short, sums of blocks are double
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<std::uint8_t>& gray,
+                               const Warp& warp, float gain, float bias, float* residuals) {
+  const auto& [r, t, fx, fy, cx, cy] = warp;
+  const auto stride = static_cast<int>(gray.step[0]);
+  const std::uint8_t* pixels = gray[0];
+  // One pixel of margin, as the Jacobian's differences have it in the reference.
+  const float limit_u = static_cast<float>(gray.cols - 2);
+  const float limit_v = static_cast<float>(gray.rows - 2);
+  for (std::size_t i = 0; i < reference.count; i += kLanes) {
+    const Floats& px = lanes(&reference.x[i]);
+    const Floats& py = lanes(&reference.y[i]);
+    const Floats& pz = lanes(&reference.z[i]);
+    const Floats z = r[6] * px + r[7] * py + r[8] * pz + t[2];
+    const Floats inverse_z = 1.F / z;
+    const Floats u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
+    const Floats v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + cy;
+    const Ints visible =
+        (pz > 0.F) & (z > kNearest) & (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v);
+    const Ints column = __builtin_convertvector(u, Ints) & visible;
+    const Ints row = __builtin_convertvector(v, Ints) & visible;
+    const Ints offset = row * stride + column;
+    Ints top, bottom;  // two neighbours each, the left one in the low byte
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      std::uint16_t pair;
+      const std::uint8_t* p = pixels + offset[k];
+      std::memcpy(&pair, p, sizeof pair);
+      top[k] = pair;
+      std::memcpy(&pair, p + stride, sizeof pair);
+      bottom[k] = pair;
+    }
+    const Ints top_left = top & 255, bottom_left = bottom & 255;
+    const Ints top_right = top >> 8, bottom_right = bottom >> 8;
+    const Floats a = u - __builtin_convertvector(column, Floats);
+    const Floats b = v - __builtin_convertvector(row, Floats);
+    const Floats upper = __builtin_convertvector(top_left, Floats) +
+                         a * __builtin_convertvector(top_right - top_left, Floats);
+    const Floats lower = __builtin_convertvector(bottom_left, Floats) +
+                         a * __builtin_convertvector(bottom_right - bottom_left, Floats);
+    const Floats residual =
+        upper + b * (lower - upper) - gain * lanes(&reference.intensity[i]) - bias;
+    const Floats none = residual * 0.F + kNan;
+    lanes(residuals + i) = visible ? residual : none;
+  }
+}
+
+struct LossConstants {
+  Loss loss;
+  float parameter, inverse_sigma, outside;
+};
+
+LossConstants loss_constants(float sigma, Loss loss, float parameter) {
+  return {.loss = loss,
+          .parameter = parameter,
+          .inverse_sigma = 1.F / sigma,
+          .outside = robust(loss, parameter, kInlierSigmas).cost};
+}
+
+// What each point of a block weighs, and that times its residual. Returns the cost.
+EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights, std::size_t count,
+                              const LossConstants& c, float* __restrict weights,
+                              float* __restrict weighted) {
+  Floats cost = {};
+  const Floats zero = {};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Floats& residual = lanes(residuals + i);
+    const Floats& point_weight = lanes(point_weights + i);
+    const Ints seen = residual == residual;
+    const Floats r = seen ? residual : zero;
+    const Floats s = r * c.inverse_sigma;
+    Floats loss, weight;
+    if (c.loss == Loss::kHuber) {
+      const Floats size = s < 0.F ? -s : s;
+      const Floats inlier = size < c.parameter ? size : zero + c.parameter;
+      loss = inlier * (size - 0.5F * inlier);
+      weight = size > c.parameter ? c.parameter / size : zero + 1.F;
+    } else if (c.loss == Loss::kTukey) {
+      const float square = c.parameter * c.parameter;
+      const Floats left = 1.F - s * s / square;
+      const Floats inlier = left > 0.F ? left : zero;
+      loss = square / 6.F * (1.F - inlier * inlier * inlier);
+      weight = inlier * inlier;
+    } else {
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const RobustValue value = robust(c.loss, c.parameter, s[k]);
+        loss[k] = value.cost;
+        weight[k] = value.weight;
+      }
+    }
+    cost += (seen ? loss : zero + c.outside) * point_weight;
+    const Floats w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;
+    lanes(weights + i) = w;
+    lanes(weighted + i) = w * r;
+  }
+  return sum_of(cost);
+}
+
+// Sums over a block: of weighted products of columns (from the diagonal on), of weighted columns,
+// of columns times weighted residuals, and of weights and weighted residuals themselves.
+struct ColumnSums {
+  std::array<std::array<float, kColumns>, kColumns> products;
+  std::array<float, kColumns> sums, gradient;
+  float weights, weighted;
+};
+
+using Columns = std::array<const float*, kColumns>;
+
+// What has column a as the first of a product: few enough sums to stay in registers.
+template <int a>
+[[gnu::always_inline]] inline void sum_column(const Columns& columns, const float* weights,
+                                              const float* weighted, std::size_t count,
+                                              ColumnSums& out) {
+  Floats products[kColumns - a] = {}, sum = {}, gradient = {};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const Floats& column = lanes(columns[a] + i);
+    const Floats w = lanes(weights + i) * column;
+    sum += w;
+    gradient += lanes(weighted + i) * column;
+#pragma GCC unroll 8
+    for (int b = a; b < kColumns; ++b)
+      products[b - a] += w * lanes(columns[static_cast<std::size_t>(b)] + i);
+  }
+  for (int b = a; b < kColumns; ++b)
+    out.products[a][static_cast<std::size_t>(b)] = sum_of(products[b - a]);
+  out.sums[a] = sum_of(sum);
+  out.gradient[a] = sum_of(gradient);
+}
+
+EDVO_CLONES void sum_columns(const Columns& columns, const float* weights, const float* weighted,
+                             std::size_t count, ColumnSums& out) {
+  sum_column<0>(columns, weights, weighted, count, out);
+  sum_column<1>(columns, weights, weighted, count, out);
+  sum_column<2>(columns, weights, weighted, count, out);
+  sum_column<3>(columns, weights, weighted, count, out);
+  sum_column<4>(columns, weights, weighted, count, out);
+  sum_column<5>(columns, weights, weighted, count, out);
+  sum_column<6>(columns, weights, weighted, count, out);
+  Floats all = {}, residuals = {};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    all += lanes(weights + i);
+    residuals += lanes(weighted + i);
+  }
+  out.weights = sum_of(all);
+  out.weighted = sum_of(residuals);
+}
+
+// The Jacobian's columns are the reference's times the gain, -intensity, and -kIntensityUnit.
+void add(const ColumnSums& block, double gain, PhotometricSums& sums) {
+  constexpr double kUnit = static_cast<double>(kIntensityUnit);
+  const auto times = [&](int column) { return column < kColumns - 1 ? gain : -1.0; };
+  for (int a = 0; a < kColumns; ++a) {
+    const auto row = static_cast<std::size_t>(a);
+    for (int b = a; b < kColumns; ++b)
+      sums.hessian(a, b) += times(a) * times(b) *
+                            static_cast<double>(block.products[row][static_cast<std::size_t>(b)]);
+    sums.hessian(a, kColumns) -= kUnit * times(a) * static_cast<double>(block.sums[row]);
+    sums.gradient[a] += times(a) * static_cast<double>(block.gradient[row]);
+  }
+  sums.hessian(kColumns, kColumns) += kUnit * kUnit * static_cast<double>(block.weights);
+  sums.gradient[kColumns] -= kUnit * static_cast<double>(block.weighted);
+}
+
+}  // namespace
+
+void photometric_residuals(const ReferenceLevel& reference, const Level& current,
+                           const Alignment& alignment, std::vector<float>& residuals) {
+  residuals.resize(reference.x.size());
+  residual_loop(reference, current.gray, make_warp(alignment.cur_from_ref, current.camera),
+                static_cast<float>(alignment.gain), static_cast<float>(alignment.bias),
+                residuals.data());
+}
+
+double photometric_cost(const ReferenceLevel& reference, const std::vector<float>& residuals,
+                        float sigma, Loss loss, float loss_parameter) {
+  const LossConstants constants = loss_constants(sigma, loss, loss_parameter);
+  std::array<float, kBlock> weights, weighted;
+  double cost = 0;
+  for (std::size_t first = 0; first < residuals.size(); first += kBlock)
+    cost += static_cast<double>(weigh_block(
+        residuals.data() + first, reference.weight.data() + first,
+        std::min(kBlock, residuals.size() - first), constants, weights.data(), weighted.data()));
+  return cost;
+}
+
+PhotometricSums sum_photometric(const ReferenceLevel& reference,
+                                const std::vector<float>& residuals, double gain, float sigma,
+                                Loss loss, float loss_parameter) {
+  const LossConstants constants = loss_constants(sigma, loss, loss_parameter);
+  PhotometricSums sums;
+  std::array<float, kBlock> weights, weighted;
+  ColumnSums block;
+  for (std::size_t first = 0; first < residuals.size(); first += kBlock) {
+    const std::size_t count = std::min(kBlock, residuals.size() - first);
+    sums.cost +=
+        static_cast<double>(weigh_block(residuals.data() + first, reference.weight.data() + first,
+                                        count, constants, weights.data(), weighted.data()));
+    Columns columns;
+    for (std::size_t k = 0; k < 6; ++k) columns[k] = reference.jacobian[k].data() + first;
+    columns[6] = reference.intensity.data() + first;
+    sum_columns(columns, weights.data(), weighted.data(), count, block);
+    add(block, gain, sums);
+  }
+  return sums;
+}
+
+}  // namespace edvo

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Which pixels of a keyframe are tracked, and where they lie in space.
+#pragma once
+
+#include "edvo/core/fields.hpp"
+#include "edvo/image/frame.hpp"
+
+#include <Eigen/Core>
+#include <concepts>
+#include <vector>
+
+namespace edvo {
+
+struct SelectOptions {
+  int max_points = 4000;
+  int min_points = 50;
+  int cell = 8;               // [px]
+  double min_gradient = 3.0;  // [grey levels / px]
+  double min_depth = 0.3;     // [m]
+  double max_depth = 8.0;     // [m]
+  double jump = 0.04;         // share of the depth
+  int jump_radius = 2;        // [px]
+  bool foreground = true;
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, SelectOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("max_points", self.max_points, Range{10, 1e7}, "points kept of a keyframe, spread evenly");
+  visit("min_points", self.min_points, Range{6, 1e6},
+        "a frame with fewer cannot become a keyframe");
+  visit("cell", self.cell, Range{1, 200}, "side of the cells that the points are spread over [px]");
+  visit("min_gradient", self.min_gradient, Range{0, 255},
+        "least gradient of a tracked pixel [grey levels / px]");
+  visit("min_depth", self.min_depth, Range{0, 100}, "nearest depth that is trusted [m]");
+  visit("max_depth", self.max_depth, Range{0, 100}, "farthest depth that is trusted [m]");
+  visit("jump", self.jump, Range{0, 10}, "a difference of depths that is a jump, / depth");
+  visit("jump_radius", self.jump_radius, Range{0, 10}, "how far around jumps are looked for [px]");
+  visit("foreground", self.foreground, Range{},
+        "at a jump take the nearest depth around (true) or drop the pixel (false)");
+}
+
+struct SelectedPixel {
+  cv::Point pixel;     // level 0
+  float depth = 0;     // [m]
+  float gradient = 0;  // magnitude [grey levels / px]
+};
+
+// Pixels of the mask with gradient and depth, at most max_points, the strongest of each cell first;
+// in row order. mask: H x W of level 0, 255 = candidate.
+[[nodiscard]] std::vector<SelectedPixel> select_pixels(const Frame& frame,
+                                                       const cv::Mat_<std::uint8_t>& mask,
+                                                       const cv::Mat_<std::uint8_t>& valid,
+                                                       const SelectOptions& options);
+
+// Every step-th pixel of every step-th row that has a trusted depth: for coarse alignment of whole
+// images. recycled: of no more use, its memory serves the new ones.
+[[nodiscard]] std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step,
+                                                     const SelectOptions& options,
+                                                     std::vector<SelectedPixel> recycled = {});
+
+// At most `limit` of them: the strongest of every cell, then the second of every cell, and so on.
+// In the order given. width: of the image [px].
+[[nodiscard]] std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int width,
+                                                int cell, int limit);
+
+// Depths of a row's pixels as those of pixels on or near an edge; NaN where none can be trusted,
+// and within jump_radius of the left and right border. y: that far from the others.
+void edge_depths(const cv::Mat_<float>& depth, int y, const SelectOptions& options,
+                 std::vector<float>& depths);
+
+}  // namespace edvo

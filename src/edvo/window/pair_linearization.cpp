@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/window/pair_linearization.hpp"
+
+#include "edvo/align/bilinear.hpp"
+#include "edvo/core/lanes.hpp"
+#include "edvo/core/simd.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+constexpr int kN = kKeyframeUnknowns;
+constexpr float kSaturation = 6.F;  // [sigmas] what a patch out of view or not matching pays
+constexpr float kOccluded = 1.10F;  // seen depth nearer by this factor: something stands in front
+constexpr float kDepthHuber = 2.F;  // [sigmas]
+constexpr std::size_t kAhead = 4;   // points that memory is asked for before their turn
+
+static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
+
+// Sums over a patch that all of its second derivatives are made of: the geometry is that of the
+// patch's centre, as in DSO, the residuals and gradients are each pixel's own.
+enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kCost, kSums };
+
+// Asks the memory for what a point's patch will read, so that it is there when its turn comes: the
+// images of a window are larger than the caches, and a patch is somewhere in them.
+[[gnu::always_inline]] inline void prefetch_patch(const PairConstants& c, const PairGeometry& g,
+                                                  const WindowPoint& point,
+                                                  const WindowKeyframe& target) {
+  const auto& R = g.rotation;
+  const auto& t = g.translation;
+  const float rho = static_cast<float>(point.inverse_depth);
+  const float rx = (point.u - c.cx) / c.fx, ry = (point.v - c.cy) / c.fy;
+  const float iz = 1.F / (R[6] * rx + R[7] * ry + R[8] + rho * t[2]);
+  const float u = c.fx * (R[0] * rx + R[1] * ry + R[2] + rho * t[0]) * iz + c.cx;
+  const float v = c.fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + c.cy;
+  if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
+  const int column = static_cast<int>(u), row = static_cast<int>(v);
+  __builtin_prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
+  for (int y = row - 3; y <= row + 4; ++y) __builtin_prefetch(target.gray[y] + column);
+}
+
+// Halves, quarters: sums of eight lanes on their way to one.
+[[gnu::always_inline]] inline void sum_halves(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 2, 3, 8, 9, 10, 11}) +
+        __builtin_shuffle(a, b, Ints{4, 5, 6, 7, 12, 13, 14, 15});
+}
+
+[[gnu::always_inline]] inline void sum_quarters(const Floats& a, const Floats& b, Floats& sum) {
+  sum = __builtin_shuffle(a, b, Ints{0, 1, 8, 9, 4, 5, 12, 13}) +
+        __builtin_shuffle(a, b, Ints{2, 3, 10, 11, 6, 7, 14, 15});
+}
+
+// The sums over the lanes of eight numbers each.
+[[gnu::always_inline]] inline void sum_lanes(const Floats* in, float* out) {
+  Floats h[4], q[2];
+  for (int i = 0; i < 4; ++i) sum_halves(in[i], in[i + 4], h[i]);
+  sum_quarters(h[0], h[1], q[0]);
+  sum_quarters(h[2], h[3], q[1]);
+  lanes(out) = __builtin_shuffle(q[0], q[1], Ints{0, 2, 8, 10, 4, 6, 12, 14}) +
+               __builtin_shuffle(q[0], q[1], Ints{1, 3, 9, 11, 5, 7, 13, 15});
+}
+
+// Eight points in view, side by side.
+struct Block {
+  std::size_t count;
+  std::size_t index[kLanes];      // which points
+  Floats patches[kSums][kLanes];  // of each sum, its terms in each point's patch
+  Floats x, y;                    // of the points in the target, z = 1
+  Floats scale;                   // of a point's depth in the host by that in the target
+  Floats rho;                     // inverse depth in the host [1 / m]
+  Floats seen;                    // inverse depth in the target, NaN = none [1 / m]
+};
+
+constexpr int kProducts = kN * (kN + 1) / 2;
+
+// Sums over points, eight at a time: of products of the Jacobian's columns, from the diagonal on.
+struct Totals {
+  Floats products[kProducts] = {}, gradient[kN] = {};
+};
+
+// Into rows of what are columns.
+[[gnu::always_inline]] inline void transpose(const Floats* in, Floats* out) {
+  Floats a[8], b[8];
+  for (int i = 0; i < 4; ++i) {  // single numbers, then pairs, then halves change places
+    a[2 * i] = __builtin_shuffle(in[2 * i], in[2 * i + 1], Ints{0, 8, 2, 10, 4, 12, 6, 14});
+    a[2 * i + 1] = __builtin_shuffle(in[2 * i], in[2 * i + 1], Ints{1, 9, 3, 11, 5, 13, 7, 15});
+  }
+  for (int i = 0; i < 8; i += 4)
+    for (int k = 0; k < 2; ++k) {
+      b[i + k] = __builtin_shuffle(a[i + k], a[i + k + 2], Ints{0, 1, 8, 9, 4, 5, 12, 13});
+      b[i + k + 2] = __builtin_shuffle(a[i + k], a[i + k + 2], Ints{2, 3, 10, 11, 6, 7, 14, 15});
+    }
+  for (int i = 0; i < 4; ++i) {
+    out[i] = __builtin_shuffle(b[i], b[i + 4], Ints{0, 1, 2, 3, 8, 9, 10, 11});
+    out[i + 4] = __builtin_shuffle(b[i], b[i + 4], Ints{4, 5, 6, 7, 12, 13, 14, 15});
+  }
+}
+
+[[gnu::always_inline]] inline void square_root(const Floats& in, Floats& out) {
+  float v[kLanes];
+  lanes(v) = in;
+  for (float& each : v) each = std::sqrt(each);
+  out = lanes(v);
+}
+
+// Adds the points of a block; returns their cost.
+[[gnu::always_inline]] inline double add_block(const PairConstants& c, const PairGeometry& g,
+                                               const Block& block, Totals& totals,
+                                               PointNormals* depths, float* coupling) {
+  const auto& t = g.translation;
+  const Floats zero{};
+  Floats sum[kSums];
+  for (int k = 0; k < kSums; ++k) sum_lanes(block.patches[k], reinterpret_cast<float*>(&sum[k]));
+  const Floats &px = block.x, &py = block.y, &scale = block.scale;
+  const Floats inverse_z = block.rho * scale;
+  // Depth residual 1 / z - seen, where the target's depth is smooth.
+  const Ints sensed = (block.seen == block.seen) & (zero + c.depth_weight > 0.F);
+  const Floats seen = sensed ? block.seen : inverse_z;
+  const Floats error = inverse_z - seen;
+  const Floats bias = c.depth_bias * seen;
+  const Floats variance = c.depth_variance + bias * bias;
+  Floats deviation;
+  square_root(variance, deviation);
+  const Floats norm = (error < 0.F ? -error : error) / deviation;
+  const Floats fitting = norm < kDepthHuber ? norm : zero + kDepthHuber;
+  const Floats larger = norm > kDepthHuber ? norm : zero + kDepthHuber;
+  const Floats cost = sum[kCost] + c.depth_weight * fitting * (norm - 0.5F * fitting);
+  const Ints fits = cost <= c.most;
+  for (int k = 0; k < kSums; ++k) sum[k] = fits ? sum[k] : zero;
+  const Floats depth_weight =
+      sensed & fits ? c.depth_weight / variance * kDepthHuber / larger : zero;
+
+  const float s = 1 / c.sigma, s2 = s * s;
+  const float unit = -static_cast<float>(kBrightnessUnit);
+  // d (u, v) / d xi at the centre.
+  const Floats du[6] = {c.fx * inverse_z,       zero,      -c.fx * px * inverse_z, -c.fx * px * py,
+                        c.fx * (1.F + px * px), -c.fx * py};
+  const Floats dv[6] = {
+      zero,           c.fy * inverse_z, -c.fy * py * inverse_z, -c.fy * (1.F + py * py),
+      c.fy * px * py, c.fy * px};
+  // Gradient-weighted columns of the Jacobian.
+  Floats gu[kN], gv[kN];
+#pragma GCC unroll 6
+  for (int a = 0; a < 6; ++a) {
+    gu[a] = s2 * (sum[kXX] * du[a] + sum[kXY] * dv[a]);
+    gv[a] = s2 * (sum[kXY] * du[a] + sum[kYY] * dv[a]);
+  }
+  gu[6] = s2 * sum[kXA];
+  gu[7] = s2 * unit * sum[kX];
+  gv[6] = s2 * sum[kYA];
+  gv[7] = s2 * unit * sum[kY];
+  // 1 / z of the point: d / d xi = -1 / z^2 (0, 0, 1, y z, -x z, 0).
+  const Floats jz[3] = {-inverse_z * inverse_z, -inverse_z * py, inverse_z * px};
+  const auto by_depth = [](int a) { return a >= 2 && a < 5; };
+  int product = 0;
+#pragma GCC unroll 6
+  for (int a = 0; a < 6; ++a) {
+#pragma GCC unroll 8
+    for (int b = a; b < kN; ++b) {
+      Floats p = du[a] * gu[b] + dv[a] * gv[b];
+      if (by_depth(a) && by_depth(b)) p += depth_weight * jz[a - 2] * jz[b - 2];
+      totals.products[product++] += p;
+    }
+    Floats p = s * (sum[kXR] * du[a] + sum[kYR] * dv[a]);
+    if (by_depth(a)) p += depth_weight * jz[a - 2] * error;
+    totals.gradient[a] += p;
+  }
+  totals.products[product++] += s2 * sum[kAA];
+  totals.products[product++] += s2 * unit * sum[kA];
+  totals.products[product++] += s2 * unit * unit * sum[kOne];
+  totals.gradient[6] += s * sum[kAR];
+  totals.gradient[7] += s * unit * sum[kR];
+
+  // d (u, v) / d rho = f (t - (x, y) t_z) / q_z, and d (1 / z) / d rho.
+  const Floats ru = c.fx * (t[0] - px * t[2]) * scale, rv = c.fy * (t[1] - py * t[2]) * scale;
+  const Floats jr = (1.F - block.rho * t[2] * scale) * scale;
+  Floats columns[kN], rows[kN];
+#pragma GCC unroll 8
+  for (int a = 0; a < kN; ++a) {
+    columns[a] = ru * gu[a] + rv * gv[a];
+    if (by_depth(a)) columns[a] += depth_weight * jr * jz[a - 2];
+  }
+  transpose(columns, rows);
+  const Floats gradient = s * (sum[kXR] * ru + sum[kYR] * rv) + depth_weight * jr * error;
+  const Floats curvature =
+      s2 * (ru * (sum[kXX] * ru + sum[kXY] * rv) + rv * (sum[kXY] * ru + sum[kYY] * rv)) +
+      depth_weight * jr * jr;
+  for (std::size_t k = 0; k < block.count; ++k) {
+    const std::size_t i = block.index[k];
+    lanes(coupling + i * kN) = rows[k];
+    depths[i].gradient += gradient[k];
+    depths[i].curvature += curvature[k];
+  }
+  return static_cast<double>(sum_of(fits ? cost : zero + c.most));
+}
+
+}  // namespace
+
+PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& target) {
+  const SE3 target_from_host = inverse(target.world_from_key) * host.world_from_key;
+  const Eigen::Matrix3d R = target_from_host.rotation.toRotationMatrix();
+  PairGeometry g;
+  for (int i = 0; i < 9; ++i)
+    g.rotation[static_cast<std::size_t>(i)] = static_cast<float>(R(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i)
+    g.translation[static_cast<std::size_t>(i)] =
+        static_cast<float>(target_from_host.translation[i]);
+  g.adjoint = adjoint(target_from_host);
+  g.gain = static_cast<float>(target.gain / host.gain);
+  g.bias_host = static_cast<float>(host.bias);
+  g.bias_target = static_cast<float>(target.bias);
+  g.inverse_host_gain = static_cast<float>(1 / host.gain);
+  return g;
+}
+
+PairConstants pair_constants(const Camera& camera, const WindowOptions& options) {
+  const float huber = static_cast<float>(options.huber);
+  const double noise = options.depth_noise;
+  return {.fx = static_cast<float>(camera.fx),
+          .fy = static_cast<float>(camera.fy),
+          .cx = static_cast<float>(camera.cx),
+          .cy = static_cast<float>(camera.cy),
+          .limit_u = static_cast<float>(camera.width) - 1 - kMargin,
+          .limit_v = static_cast<float>(camera.height) - 1 - kMargin,
+          .sigma = static_cast<float>(options.sigma),
+          .pair_sigma_scale = static_cast<float>(options.pair_sigma_scale),
+          .huber = huber,
+          .most = huber * (kSaturation - 0.5F * huber) * kPatchSize,
+          .depth_weight = static_cast<float>(options.depth_weight),
+          .depth_variance = static_cast<float>(2 * noise * noise),
+          .depth_bias = static_cast<float>(options.depth_bias)};
+}
+
+EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
+                            const std::vector<WindowPoint>& points, const WindowKeyframe& target,
+                            PairSums& pair, PointNormals* depths, float* coupling) {
+  const auto& R = g.rotation;
+  const auto& t = g.translation;
+  double total = 0;
+  const float inverse_sigma = 1 / c.sigma;
+  const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
+  Totals totals;
+  Block block{};
+  for (std::size_t i = 0; i < points.size();) {
+    block.count = 0;
+    while (block.count < kLanes && i < points.size()) {
+      const std::size_t now = i++;
+      const WindowPoint& point = points[now];
+      if (now + kAhead < points.size()) prefetch_patch(c, g, points[now + kAhead], target);
+      lanes(coupling + now * kN) = Floats{};
+      const float rho = static_cast<float>(point.inverse_depth);
+      const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
+      const Floats rx = (point.u + pattern_x - c.cx) / c.fx;
+      const Floats ry = (point.v + pattern_y - c.cy) / c.fy;
+      const Floats qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
+      const Floats iz = 1.F / qz;
+      const Floats x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
+      const Floats y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
+      const Floats u = c.fx * x + c.cx;
+      const Floats v = c.fy * y + c.cy;
+      const Ints fits =
+          (qz > kLeastScale) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
+      std::int32_t visible = -1;
+      for (int k = 0; k < kPatchSize; ++k) visible &= fits[k];
+      if (visible == 0) {
+        total += static_cast<double>(c.most);
+        continue;
+      }
+      const float seen = target.inverse_depth(static_cast<int>(0.5F * v[0] + 0.5F),
+                                              static_cast<int>(0.5F * u[0] + 0.5F));
+      if (seen > kOccluded * rho * iz[0]) {
+        total += static_cast<double>(c.most);
+        continue;
+      }
+      Samples image;
+      sample(target.gray, u, v, image);
+      const Floats radiance = lanes(point.intensity.data()) - g.bias_host;
+      const Floats r = (image.value - g.gain * radiance - g.bias_target) * inverse_sigma;
+      const Floats size = r < 0.F ? -r : r;
+      const Floats inlier = size < c.huber ? size : Floats{} + c.huber;
+      const Floats larger = size > c.huber ? size : Floats{} + c.huber;
+      const Floats& gradient_weight_scale = lanes(point.gradient_weight_scale.data());
+      const Floats w = gradient_weight_scale * c.huber / larger;
+      const Floats by_gain = -radiance * g.inverse_host_gain;
+      const Floats wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
+      const std::size_t k = block.count++;
+      block.index[k] = now;
+      block.patches[kXX][k] = wx * image.gx;
+      block.patches[kXY][k] = wx * image.gy;
+      block.patches[kYY][k] = wy * image.gy;
+      block.patches[kXA][k] = wx * by_gain;
+      block.patches[kYA][k] = wy * by_gain;
+      block.patches[kX][k] = wx;
+      block.patches[kY][k] = wy;
+      block.patches[kAA][k] = wa * by_gain;
+      block.patches[kA][k] = wa;
+      block.patches[kOne][k] = w;
+      block.patches[kXR][k] = wx * r;
+      block.patches[kYR][k] = wy * r;
+      block.patches[kAR][k] = wa * r;
+      block.patches[kR][k] = w * r;
+      block.patches[kCost][k] = gradient_weight_scale * inlier * (size - 0.5F * inlier);
+      block.x[k] = x[0];
+      block.y[k] = y[0];
+      block.scale[k] = iz[0];
+      block.rho[k] = rho;
+      block.seen[k] = seen;
+    }
+    for (std::size_t k = block.count; k < kLanes; ++k) {  // left over: weighs nothing
+      for (Floats(&patch)[kLanes] : block.patches) patch[k] = Floats{};
+      block.seen[k] = std::numeric_limits<float>::quiet_NaN();
+    }
+    if (block.count > 0) total += add_block(c, g, block, totals, depths, coupling);
+  }
+  int product = 0;
+  for (int a = 0; a < kN; ++a) {
+    for (int b = a; b < kN; ++b) {
+      const float value = sum_of(totals.products[product++]);
+      pair.hessian[static_cast<std::size_t>(a * kN + b)] += value;
+      if (b > a) pair.hessian[static_cast<std::size_t>(b * kN + a)] += value;
+    }
+    pair.gradient[static_cast<std::size_t>(a)] += sum_of(totals.gradient[a]);
+  }
+  return total;
+}
+
+}  // namespace edvo

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+// Joint photometric refinement of a window of keyframes: poses, brightness and inverse depths
+// (after Engel, Koltun, Cremers 2018, Direct Sparse Odometry, with measured depth as a prior).
+#pragma once
+
+#include "edvo/core/se3.hpp"
+#include "edvo/features/pixel_selection.hpp"
+
+#include <array>
+#include <concepts>
+#include <vector>
+
+namespace edvo {
+
+struct WindowOptions {
+  int keyframes = 7;
+  int fixed_keyframes = 5;
+  int candidate_keyframes = 100;
+  int points = 300;
+  int iterations = 5;
+  double tolerance = 5e-4;
+  double sigma = 2.0;                   // [grey levels]
+  double huber = 1.345;                 // [sigmas]
+  double pair_sigma_scale = 0.6;        // [1]
+  double gradient_weight_scale = 50.0;  // [grey levels / px]
+  double depth_noise = 0.0015;          // [1 / m]
+  double depth_bias = 0.003;
+  double depth_weight = 1.0;
+};
+
+template <typename Self, typename Visitor>
+requires std::same_as<std::remove_const_t<Self>, WindowOptions>
+void visit_fields(Self& self, Visitor&& visit) {
+  visit("keyframes", self.keyframes, Range{0, 50}, "keyframes refined together; 0 = no refinement");
+  visit("fixed_keyframes", self.fixed_keyframes, Range{1, 50},
+        "older keyframes with the same view that hold the refined ones in place");
+  visit("candidate_keyframes", self.candidate_keyframes, Range{1, 10000},
+        "older keyframes kept as possible fixed_keyframes");
+  visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
+  visit("iterations", self.iterations, Range{1, 100},
+        "linearizations per refinement, shared by a few frames");
+  visit("tolerance", self.tolerance, Range{0, 1},
+        "a step that lowers the cost by a smaller share ends the refinement");
+  visit("sigma", self.sigma, Range{0.1, 255},
+        "least sigma of the photometric residuals [grey levels]");
+  visit("huber", self.huber, Range{0.1, 100}, "theta_H of the photometric residuals [sigmas]");
+  visit("pair_sigma_scale", self.pair_sigma_scale, Range{0, 100},
+        "sigma of the residuals of two keyframes / that which they show; 0 = the same for all");
+  visit("gradient_weight_scale", self.gradient_weight_scale, Range{1, 1e6},
+        "gradient at which a pixel's weight is halved [grey levels / px]");
+  visit("depth_noise", self.depth_noise, Range{1e-6, 1},
+        "sigma of measured inverse depth; between keyframes less where residuals are smaller [1 / "
+        "m]");
+  visit("depth_bias", self.depth_bias, Range{0, 1}, "sigma of measured depth, / depth");
+  visit("depth_weight", self.depth_weight, Range{0, 1e3},
+        "weight of the depth residuals between keyframes; 0 = off");
+}
+
+// The patch around a point: offsets from its pixel, the centre first [px] (DSO's pattern).
+constexpr int kPatchSize = 8;
+constexpr float kPatternX[kPatchSize] = {0, 0, -1, 1, -2, 2, -1, 0};
+constexpr float kPatternY[kPatchSize] = {0, -2, -1, -1, 0, 0, 1, 2};
+
+struct WindowPoint {
+  float u = 0, v = 0;                                     // level 0 [px]
+  double inverse_depth = 0;                               // [1 / m]
+  double measured = 0;                                    // [1 / m]
+  double weight = 0;                                      // 1 / sigma^2 of measured [m^2]
+  std::array<float, kPatchSize> intensity{};              // [grey levels]
+  std::array<float, kPatchSize> gradient_weight_scale{};  // weights by gradient [0..1]
+};
+
+struct WindowKeyframe {
+  Stamp stamp;
+  SE3 world_from_key;
+  double gain = 1, bias = 0;      // I = gain * radiance + bias
+  cv::Mat_<std::uint8_t> gray;    // level 0
+  cv::Mat_<float> inverse_depth;  // of every second pixel [1 / m], NaN = none or on a jump
+  std::vector<WindowPoint> points;
+};
+
+[[nodiscard]] WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_key,
+                                                  const std::vector<SelectedPixel>& pixels,
+                                                  const WindowOptions& options);
+
+// Share of the points of one keyframe that another sees, [0..1].
+[[nodiscard]] double shared_view(const WindowKeyframe& host, const WindowKeyframe& target,
+                                 const Camera& camera);
+
+}  // namespace edvo
