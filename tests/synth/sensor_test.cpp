@@ -166,6 +166,17 @@ TEST(Sensor, ColourNoiseAndExposureAreThoseOfTheOptions) {
   EXPECT_NEAR(colour_statistics(seen(wall(1), options, 4)).mean, 150, 0.1);
 }
 
+TEST(Sensor, LessLightGivesTheSameBrightnessWithMoreNoise) {
+  SensorOptions options;
+  options.colour_noise = 1;
+  options.shot_noise = 0.04;
+  EXPECT_NEAR(colour_statistics(seen(wall(1), options)).sigma, std::sqrt(1 + 4), 0.1);
+  options.light = 0.25;
+  const Statistics dark = colour_statistics(seen(wall(1), options));
+  EXPECT_NEAR(dark.mean, 100, 0.2);
+  EXPECT_NEAR(dark.sigma, std::sqrt(16 + 16), 0.2);
+}
+
 TEST(Sensor, VignettingDarkensTheCornersOnly) {
   SensorOptions options;
   options.vignetting = 0.5;

@@ -77,6 +77,24 @@ TEST(SyntheticSequence, GroundTruthHoldsEveryFramesPoseAtItsStamp) {
   EXPECT_EQ(make_frame(sequence, 5).stamp, truth[20].stamp);
 }
 
+TEST(SyntheticSequence, LateDepthIsThatOfAnEarlierTime) {
+  SequenceOptions options;
+  options.sensor.noise = false;
+  const SyntheticSequence exact = make_sequence(options, kSmall);
+  options.sensor = {};
+  options.sensor.depth_delay = 0.1;  // three frames
+  options.sensor.disparity_step = options.sensor.depth_noise = 0;
+  options.sensor.depth_edge_jitter = 0;
+  const RgbdImage late = make_frame(make_sequence(options, kSmall), 10);
+  const auto far_off = [&](int index) {
+    cv::Mat_<float> difference;
+    cv::absdiff(late.depth, make_frame(exact, index).depth, difference);
+    return cv::countNonZero(difference > 1e-4F);
+  };
+  EXPECT_LT(far_off(7), 20);
+  EXPECT_GT(far_off(10), 5000);
+}
+
 TEST(SyntheticSequence, DroppedFramesLeaveGapsButTheFirstStays) {
   const SyntheticSequence sequence =
       make_sequence({.frames = 400, .dropped_share = 0.25, .sensor = {}}, kSmall);

@@ -143,6 +143,11 @@ RgbdImage make_frame(const SyntheticSequence& sequence, int index) {
   const double seconds = time_of(options, number);
   Render exact = render_at(sequence, seconds);
   if (options.exposure_time > 0) blur_motion(sequence, seconds, exact);
+  if (const double delay = depth_delay(options.sensor); delay > 0) {
+    const Render before = render_at(sequence, seconds - delay);
+    exact.depth = before.depth;
+    exact.incidence = before.incidence;
+  }
   RgbdImage image = sense(exact, options.sensor, sequence.camera.pinhole.fx, seconds,
                           static_cast<std::uint64_t>(options.seed),
                           static_cast<std::uint64_t>(number), sequence.threads);
