@@ -5,11 +5,11 @@
 //
 // floor [COLOUR.png DEPTH.png]: decodes these (rendered ones otherwise); all else is rendered.
 #include "edvo/align/image_shift.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
 #include "edvo/eval/statistics.hpp"
 #include "edvo/features/canny.hpp"
 #include "edvo/io/image_file.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 #include "measure.hpp"
 #include "memory.hpp"
 #include "world.hpp"
@@ -31,6 +31,8 @@
 #include <vector>
 
 namespace {
+
+using simd::Float8;
 
 using namespace edvo;
 using benchmarks::cpu_seconds;
@@ -64,12 +66,12 @@ double seconds_of(Call&& call) {
 // Multiplications and additions of floats, as many at a time as the machine can.
 constexpr int kSums = 12, kRounds = 4096;
 EDVO_CLONES void multiply_and_add(float* numbers, float factor, float term) {
-  Floats sums[kSums];
-  for (int s = 0; s < kSums; ++s) sums[s] = lanes(numbers + s * kLanes);
+  Float8 sums[kSums];
+  for (int s = 0; s < kSums; ++s) sums[s] = simd::load(numbers + s * simd::kWidth);
   for (int round = 0; round < kRounds; ++round)
 #pragma GCC unroll 12
     for (int s = 0; s < kSums; ++s) sums[s] = sums[s] * factor + term;
-  for (int s = 0; s < kSums; ++s) lanes(numbers + s * kLanes) = sums[s];
+  for (int s = 0; s < kSums; ++s) simd::store(numbers + s * simd::kWidth, sums[s]);
 }
 
 struct Rates {
@@ -85,12 +87,12 @@ Rates measure_rates() {
     std::memcpy(to.data(), from.data(), kSize);
     keep(*to.data());
   });
-  std::vector<float> numbers(kSums * kLanes, 1.F);
+  std::vector<float> numbers(kSums * simd::kWidth, 1.F);
   const double sums = seconds_of([&] {
     multiply_and_add(numbers.data(), 0.999F, 0.001F);
     keep(numbers[0]);
   });
-  return {.bytes = 2.0 * kSize / copy, .operations = 2.0 * kLanes * kSums * kRounds / sums};
+  return {.bytes = 2.0 * kSize / copy, .operations = 2.0 * simd::kWidth * kSums * kRounds / sums};
 }
 
 struct Need {

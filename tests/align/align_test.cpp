@@ -2,8 +2,8 @@
 #include "edvo/align/align.hpp"
 #include "edvo/align/bilinear.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/core/lanes.hpp"
 #include "edvo/image/frame.hpp"
+#include "edvo/simd/float8.hpp"
 #include "support/matchers.hpp"
 #include "support/plane_frame.hpp"
 
@@ -76,7 +76,7 @@ TEST(Reference, JacobianMatchesNumericDifferencesOfTheAnalyticImage) {
     }
 }
 
-// Pixels that fill no whole block of lanes, some of which lie outside of coarse levels.
+// Pixels that fill no whole block of eight, some of which lie outside of coarse levels.
 TEST(Reference, HoldsThePointsThatLieInsideEachLevel) {
   const Frame frame = plane_frame({});
   std::vector<SelectedPixel> pixels;
@@ -107,7 +107,7 @@ TEST(Reference, HoldsThePointsThatLieInsideEachLevel) {
       ++n;
     }
     EXPECT_EQ(level.count, n) << l;
-    EXPECT_EQ(level.x.size() % kLanes, 0U);
+    EXPECT_EQ(level.x.size() % simd::kWidth, 0U);
     for (std::size_t k = n; k < level.x.size(); ++k) EXPECT_EQ(level.z[k], 0.F);
   }
 }

@@ -2,7 +2,7 @@
 // Reading an image between its pixels.
 #pragma once
 
-#include "edvo/core/lanes.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <cstdint>
 #include <cstring>
@@ -33,39 +33,39 @@ namespace edvo {
 
 // An image at eight places.
 struct Samples {
-  Floats value, gx, gy;  // [grey levels], [grey levels / px]
+  simd::Float8 value, gx, gy;  // [grey levels], [grey levels / px]
 };
 
 // Byte k of each number.
 template <int k>
-[[gnu::always_inline]] inline void byte_of(const Ints& word, Floats& out) {
-  out = __builtin_convertvector((word >> (8 * k)) & 255, Floats);
+[[gnu::always_inline]] inline void byte_of(const simd::Int8& word, simd::Float8& out) {
+  out = simd::ToFloat8((word >> (8 * k)) & 255).value;
 }
 
 // Bilinear, the gradient by central differences of the same interpolant. (u, v): inside by a
 // margin of 1. Four neighbours in a row are read at once, the left one in the low byte.
-[[gnu::always_inline]] inline void sample(const cv::Mat_<std::uint8_t>& gray, const Floats& u,
-                                          const Floats& v, Samples& out) {
-  const Ints column = __builtin_convertvector(u, Ints);
-  const Ints row = __builtin_convertvector(v, Ints);
-  const Floats a = u - __builtin_convertvector(column, Floats);
-  const Floats b = v - __builtin_convertvector(row, Floats);
+[[gnu::always_inline]] inline void sample(const cv::Mat_<std::uint8_t>& gray, const simd::Float8& u,
+                                          const simd::Float8& v, Samples& out) {
+  const simd::Int8 column = simd::ToInt8(u).value;
+  const simd::Int8 row = simd::ToInt8(v).value;
+  const simd::Float8 a = u - simd::ToFloat8(column).value;
+  const simd::Float8 b = v - simd::ToFloat8(row).value;
   const auto stride = static_cast<std::int32_t>(gray.step[0]);
-  const Ints offset = (row - 1) * stride + column - 1;
+  const simd::Int8 offset = (row - 1) * stride + column - 1;
   const std::uint8_t* pixels = gray.data;
-  Ints rows[4];
+  simd::Int8 rows[4];
   for (int r = 0; r < 4; ++r) {
-    Ints words{};
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    simd::Int8 words{};
+    for (std::size_t k = 0; k < simd::kWidth; ++k) {
       std::int32_t word = 0;
       std::memcpy(&word, pixels + offset[k] + r * stride, sizeof word);
       words[k] = word;
     }
     rows[r] = words;
   }
-  Floats at[4], left[2], right[2];  // interpolated along the rows at u, u - 1 and u + 1
+  simd::Float8 at[4], left[2], right[2];  // interpolated along the rows at u, u - 1 and u + 1
   for (int r = 0; r < 4; ++r) {
-    Floats p0, p1, p2, p3;
+    simd::Float8 p0, p1, p2, p3;
     byte_of<1>(rows[r], p1);
     byte_of<2>(rows[r], p2);
     at[r] = p1 + a * (p2 - p1);
@@ -76,9 +76,9 @@ template <int k>
     right[r - 1] = p2 + a * (p3 - p2);
   }
   out.value = at[1] + b * (at[2] - at[1]);
-  const Floats upper = right[0] - left[0], lower = right[1] - left[1];
+  const simd::Float8 upper = right[0] - left[0], lower = right[1] - left[1];
   out.gx = 0.5F * (upper + b * (lower - upper));
-  const Floats first = at[2] - at[0], second = at[3] - at[1];
+  const simd::Float8 first = at[2] - at[0], second = at[3] - at[1];
   out.gy = 0.5F * (first + b * (second - first));
 }
 

@@ -2,8 +2,8 @@
 #include "edvo/align/photometric.hpp"
 
 #include "edvo/align/warp.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +13,9 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
+using simd::Int8;
 
 constexpr int kUnknowns = 8;
 constexpr int kColumns = kUnknowns - 1;  // of the Jacobian; the bias' is the same for all points
@@ -27,21 +30,21 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
   // One pixel of margin, as the Jacobian's differences have it in the reference.
   const float limit_u = static_cast<float>(gray.cols - 2);
   const float limit_v = static_cast<float>(gray.rows - 2);
-  for (std::size_t i = 0; i < reference.count; i += kLanes) {
-    const Floats& px = lanes(&reference.x[i]);
-    const Floats& py = lanes(&reference.y[i]);
-    const Floats& pz = lanes(&reference.z[i]);
-    const Floats z = r[6] * px + r[7] * py + r[8] * pz + t[2];
-    const Floats inverse_z = 1.F / z;
-    const Floats u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
-    const Floats v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + cy;
-    const Ints visible =
+  for (std::size_t i = 0; i < reference.count; i += simd::kWidth) {
+    const Float8& px = simd::load(&reference.x[i]);
+    const Float8& py = simd::load(&reference.y[i]);
+    const Float8& pz = simd::load(&reference.z[i]);
+    const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
+    const Float8 inverse_z = 1.F / z;
+    const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
+    const Float8 v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + cy;
+    const Int8 visible =
         (pz > 0.F) & (z > kNearest) & (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v);
-    const Ints column = __builtin_convertvector(u, Ints) & visible;
-    const Ints row = __builtin_convertvector(v, Ints) & visible;
-    const Ints offset = row * stride + column;
-    Ints top, bottom;  // two neighbours each, the left one in the low byte
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    const Int8 column = simd::ToInt8(u).value & visible;
+    const Int8 row = simd::ToInt8(v).value & visible;
+    const Int8 offset = row * stride + column;
+    Int8 top, bottom;  // two neighbours each, the left one in the low byte
+    for (std::size_t k = 0; k < simd::kWidth; ++k) {
       std::uint16_t pair;
       const std::uint8_t* p = pixels + offset[k];
       std::memcpy(&pair, p, sizeof pair);
@@ -49,18 +52,18 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
       std::memcpy(&pair, p + stride, sizeof pair);
       bottom[k] = pair;
     }
-    const Ints top_left = top & 255, bottom_left = bottom & 255;
-    const Ints top_right = top >> 8, bottom_right = bottom >> 8;
-    const Floats a = u - __builtin_convertvector(column, Floats);
-    const Floats b = v - __builtin_convertvector(row, Floats);
-    const Floats upper = __builtin_convertvector(top_left, Floats) +
-                         a * __builtin_convertvector(top_right - top_left, Floats);
-    const Floats lower = __builtin_convertvector(bottom_left, Floats) +
-                         a * __builtin_convertvector(bottom_right - bottom_left, Floats);
-    const Floats residual =
-        upper + b * (lower - upper) - gain * lanes(&reference.intensity[i]) - bias;
-    const Floats none = residual * 0.F + kNan;
-    lanes(residuals + i) = visible ? residual : none;
+    const Int8 top_left = top & 255, bottom_left = bottom & 255;
+    const Int8 top_right = top >> 8, bottom_right = bottom >> 8;
+    const Float8 a = u - simd::ToFloat8(column).value;
+    const Float8 b = v - simd::ToFloat8(row).value;
+    const Float8 upper =
+        simd::ToFloat8(top_left).value + a * simd::ToFloat8(top_right - top_left).value;
+    const Float8 lower =
+        simd::ToFloat8(bottom_left).value + a * simd::ToFloat8(bottom_right - bottom_left).value;
+    const Float8 residual =
+        upper + b * (lower - upper) - gain * simd::load(&reference.intensity[i]) - bias;
+    const Float8 none = residual * 0.F + kNan;
+    simd::store(residuals + i, visible ? residual : none);
   }
 }
 
@@ -80,39 +83,39 @@ LossConstants loss_constants(float sigma, Loss loss, float parameter) {
 EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights, std::size_t count,
                               const LossConstants& c, float* __restrict weights,
                               float* __restrict weighted) {
-  Floats cost = {};
-  const Floats zero = {};
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    const Floats& residual = lanes(residuals + i);
-    const Floats& point_weight = lanes(point_weights + i);
-    const Ints seen = residual == residual;
-    const Floats r = seen ? residual : zero;
-    const Floats s = r * c.inverse_sigma;
-    Floats loss, weight;
+  Float8 cost = {};
+  const Float8 zero = {};
+  for (std::size_t i = 0; i < count; i += simd::kWidth) {
+    const Float8& residual = simd::load(residuals + i);
+    const Float8& point_weight = simd::load(point_weights + i);
+    const Int8 seen = residual == residual;
+    const Float8 r = seen ? residual : zero;
+    const Float8 s = r * c.inverse_sigma;
+    Float8 loss, weight;
     if (c.loss == Loss::kHuber) {
-      const Floats size = s < 0.F ? -s : s;
-      const Floats inlier = size < c.parameter ? size : zero + c.parameter;
+      const Float8 size = s < 0.F ? -s : s;
+      const Float8 inlier = size < c.parameter ? size : zero + c.parameter;
       loss = inlier * (size - 0.5F * inlier);
       weight = size > c.parameter ? c.parameter / size : zero + 1.F;
     } else if (c.loss == Loss::kTukey) {
       const float square = c.parameter * c.parameter;
-      const Floats left = 1.F - s * s / square;
-      const Floats inlier = left > 0.F ? left : zero;
+      const Float8 left = 1.F - s * s / square;
+      const Float8 inlier = left > 0.F ? left : zero;
       loss = square / 6.F * (1.F - inlier * inlier * inlier);
       weight = inlier * inlier;
     } else {
-      for (std::size_t k = 0; k < kLanes; ++k) {
+      for (std::size_t k = 0; k < simd::kWidth; ++k) {
         const RobustValue value = robust(c.loss, c.parameter, s[k]);
         loss[k] = value.cost;
         weight[k] = value.weight;
       }
     }
     cost += (seen ? loss : zero + c.outside) * point_weight;
-    const Floats w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;
-    lanes(weights + i) = w;
-    lanes(weighted + i) = w * r;
+    const Float8 w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;
+    simd::store(weights + i, w);
+    simd::store(weighted + i, w * r);
   }
-  return sum_of(cost);
+  return simd::sum(cost);
 }
 
 // Sums over a block: of weighted products of columns (from the diagonal on), of weighted columns,
@@ -130,20 +133,20 @@ template <int a>
 [[gnu::always_inline]] inline void sum_column(const Columns& columns, const float* weights,
                                               const float* weighted, std::size_t count,
                                               ColumnSums& out) {
-  Floats products[kColumns - a] = {}, sum = {}, gradient = {};
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    const Floats& column = lanes(columns[a] + i);
-    const Floats w = lanes(weights + i) * column;
+  Float8 products[kColumns - a] = {}, sum = {}, gradient = {};
+  for (std::size_t i = 0; i < count; i += simd::kWidth) {
+    const Float8& column = simd::load(columns[a] + i);
+    const Float8 w = simd::load(weights + i) * column;
     sum += w;
-    gradient += lanes(weighted + i) * column;
+    gradient += simd::load(weighted + i) * column;
 #pragma GCC unroll 8
     for (int b = a; b < kColumns; ++b)
-      products[b - a] += w * lanes(columns[static_cast<std::size_t>(b)] + i);
+      products[b - a] += w * simd::load(columns[static_cast<std::size_t>(b)] + i);
   }
   for (int b = a; b < kColumns; ++b)
-    out.products[a][static_cast<std::size_t>(b)] = sum_of(products[b - a]);
-  out.sums[a] = sum_of(sum);
-  out.gradient[a] = sum_of(gradient);
+    out.products[a][static_cast<std::size_t>(b)] = simd::sum(products[b - a]);
+  out.sums[a] = simd::sum(sum);
+  out.gradient[a] = simd::sum(gradient);
 }
 
 EDVO_CLONES void sum_columns(const Columns& columns, const float* weights, const float* weighted,
@@ -155,13 +158,13 @@ EDVO_CLONES void sum_columns(const Columns& columns, const float* weights, const
   sum_column<4>(columns, weights, weighted, count, out);
   sum_column<5>(columns, weights, weighted, count, out);
   sum_column<6>(columns, weights, weighted, count, out);
-  Floats all = {}, residuals = {};
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    all += lanes(weights + i);
-    residuals += lanes(weighted + i);
+  Float8 all = {}, residuals = {};
+  for (std::size_t i = 0; i < count; i += simd::kWidth) {
+    all += simd::load(weights + i);
+    residuals += simd::load(weighted + i);
   }
-  out.weights = sum_of(all);
-  out.weighted = sum_of(residuals);
+  out.weights = simd::sum(all);
+  out.weighted = simd::sum(residuals);
 }
 
 // The Jacobian's columns are the reference's times the gain, -intensity, and -kIntensityUnit.

@@ -3,8 +3,8 @@
 
 #include "edvo/align/robust.hpp"
 #include "edvo/align/warp.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +12,9 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
+using simd::Int8;
 
 constexpr int kProducts = 21;        // of the six columns of the Jacobian
 constexpr std::size_t kBlock = 256;  // sums of floats stay short, sums of blocks are double
@@ -25,21 +28,21 @@ EDVO_CLONES void project_loop(const SurfacePoints& surface, const Warp& warp, cv
                               DepthAssociations& associations) {
   const auto& [r, t, fx, fy, cx, cy] = warp;
   const float columns = static_cast<float>(size.width), rows = static_cast<float>(size.height);
-  for (std::size_t i = 0; i < surface.x.size(); i += kLanes) {
-    const Floats& px = lanes(&surface.x[i]);
-    const Floats& py = lanes(&surface.y[i]);
-    const Floats& pz = lanes(&surface.z[i]);
-    const Floats z = r[6] * px + r[7] * py + r[8] * pz + t[2];
-    const Floats inverse_z = 1.F / z;
-    const Floats u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + (cx + 0.5F);
-    const Floats v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + (cy + 0.5F);
-    const Ints visible =
+  for (std::size_t i = 0; i < surface.x.size(); i += simd::kWidth) {
+    const Float8& px = simd::load(&surface.x[i]);
+    const Float8& py = simd::load(&surface.y[i]);
+    const Float8& pz = simd::load(&surface.z[i]);
+    const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
+    const Float8 inverse_z = 1.F / z;
+    const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + (cx + 0.5F);
+    const Float8 v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + (cy + 0.5F);
+    const Int8 visible =
         (pz > 0.F) & (z > kNearest) & (u >= 0.F) & (v >= 0.F) & (u < columns) & (v < rows);
-    const Ints column = __builtin_convertvector(u, Ints) & visible;
-    const Ints row = __builtin_convertvector(v, Ints) & visible;
-    lanes(&associations.pixels[i]) = (row * size.width + column) | ~visible;
-    lanes(&associations.x[i]) = (__builtin_convertvector(column, Floats) - cx) / fx;
-    lanes(&associations.y[i]) = (__builtin_convertvector(row, Floats) - cy) / fy;
+    const Int8 column = simd::ToInt8(u).value & visible;
+    const Int8 row = simd::ToInt8(v).value & visible;
+    simd::store(&associations.pixels[i], (row * size.width + column) | ~visible);
+    simd::store(&associations.x[i], (simd::ToFloat8(column).value - cx) / fx);
+    simd::store(&associations.y[i], (simd::ToFloat8(row).value - cy) / fy);
   }
 }
 
@@ -55,45 +58,45 @@ EDVO_CLONES void sum_loop(const SurfacePoints& surface, const DepthAssociations&
                           std::size_t last, Accumulated& out) {
   const auto& r = warp.r;
   const auto& t = warp.t;
-  Floats products[kProducts] = {}, gradient[6] = {}, cost = {};
-  const Floats zero = {};
-  for (std::size_t i = first; i < last; i += kLanes) {
-    const Floats& z = lanes(&associations.z[i]);
-    const Floats& pz = lanes(&surface.z[i]);
-    const Ints real = pz > 0.F, measured = real & (z == z);
+  Float8 products[kProducts] = {}, gradient[6] = {}, cost = {};
+  const Float8 zero = {};
+  for (std::size_t i = first; i < last; i += simd::kWidth) {
+    const Float8& z = simd::load(&associations.z[i]);
+    const Float8& pz = simd::load(&surface.z[i]);
+    const Int8 real = pz > 0.F, measured = real & (z == z);
     // The seen point, moved to the reference camera.
-    const Floats sx = (measured ? lanes(&associations.x[i]) : zero) - t[0];
-    const Floats sy = (measured ? lanes(&associations.y[i]) : zero) - t[1];
-    const Floats sz = (measured ? z : zero + 1.F) - t[2];
-    const Floats x = r[0] * sx + r[3] * sy + r[6] * sz;
-    const Floats y = r[1] * sx + r[4] * sy + r[7] * sz;
-    const Floats d = r[2] * sx + r[5] * sy + r[8] * sz;
-    const Floats& nx = lanes(&surface.nx[i]);
-    const Floats& ny = lanes(&surface.ny[i]);
-    const Floats& nz = lanes(&surface.nz[i]);
-    const Floats residual = nx * x + ny * y + nz * d - 1.F;
-    const Floats sigma = noise * (real ? pz : zero + 1.F);
-    const Floats inverse_variance = 1.F / (sigma * sigma);
-    const Floats square = residual * residual * inverse_variance;
-    const Floats left = 1.F - square * (1.F / (kTukey * kTukey));
-    const Floats inlier = left > 0.F ? left : zero;  // Tukey's biweight
-    const Floats loss = kSaturation * (1.F - inlier * inlier * inlier);
+    const Float8 sx = (measured ? simd::load(&associations.x[i]) : zero) - t[0];
+    const Float8 sy = (measured ? simd::load(&associations.y[i]) : zero) - t[1];
+    const Float8 sz = (measured ? z : zero + 1.F) - t[2];
+    const Float8 x = r[0] * sx + r[3] * sy + r[6] * sz;
+    const Float8 y = r[1] * sx + r[4] * sy + r[7] * sz;
+    const Float8 d = r[2] * sx + r[5] * sy + r[8] * sz;
+    const Float8& nx = simd::load(&surface.nx[i]);
+    const Float8& ny = simd::load(&surface.ny[i]);
+    const Float8& nz = simd::load(&surface.nz[i]);
+    const Float8 residual = nx * x + ny * y + nz * d - 1.F;
+    const Float8 sigma = noise * (real ? pz : zero + 1.F);
+    const Float8 inverse_variance = 1.F / (sigma * sigma);
+    const Float8 square = residual * residual * inverse_variance;
+    const Float8 left = 1.F - square * (1.F / (kTukey * kTukey));
+    const Float8 inlier = left > 0.F ? left : zero;  // Tukey's biweight
+    const Float8 loss = kSaturation * (1.F - inlier * inlier * inlier);
     cost += real ? weight * (measured ? loss : zero + kSaturation) : zero;
-    const Floats w = measured ? weight * inlier * inlier * inverse_variance : zero;
-    const Floats j[6] = {-nx, -ny, -nz, ny * d - nz * y, nz * x - nx * d, nx * y - ny * x};
-    const Floats error = measured ? residual : zero;
+    const Float8 w = measured ? weight * inlier * inlier * inverse_variance : zero;
+    const Float8 j[6] = {-nx, -ny, -nz, ny * d - nz * y, nz * x - nx * d, nx * y - ny * x};
+    const Float8 error = measured ? residual : zero;
     int product = 0;
 #pragma GCC unroll 6
     for (int a = 0; a < 6; ++a) {
-      const Floats wj = w * j[a];
+      const Float8 wj = w * j[a];
 #pragma GCC unroll 6
       for (int b = a; b < 6; ++b) products[product++] += wj * j[b];
       gradient[a] += wj * error;
     }
   }
-  for (std::size_t p = 0; p < kProducts; ++p) out.products[p] = sum_of(products[p]);
-  for (std::size_t a = 0; a < 6; ++a) out.gradient[a] = sum_of(gradient[a]);
-  out.cost = sum_of(cost);
+  for (std::size_t p = 0; p < kProducts; ++p) out.products[p] = simd::sum(products[p]);
+  for (std::size_t a = 0; a < 6; ++a) out.gradient[a] = simd::sum(gradient[a]);
+  out.cost = simd::sum(cost);
 }
 
 void add(const Accumulated& from, PoseSums& sums) {

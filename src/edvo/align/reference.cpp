@@ -2,13 +2,16 @@
 #include "edvo/align/reference.hpp"
 
 #include "edvo/align/bilinear.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <utility>
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
+using simd::Int8;
 
 // What the arrays of a level hold.
 enum Array { kX, kY, kZ, kIntensity, kWeight, kJacobian, kArrays = kJacobian + 6 };
@@ -29,7 +32,7 @@ struct LevelConstants {
 };
 
 // Of the points that lie inside the level's image; returns how many. out: kArrays arrays with room
-// for all and kLanes more.
+// for all and simd::kWidth more.
 EDVO_CLONES std::size_t fill_level(const SelectedPixel* pixels, std::size_t count,
                                    const cv::Mat_<std::uint8_t>& gray, const LevelConstants& c,
                                    float* const* out) {
@@ -37,27 +40,27 @@ EDVO_CLONES std::size_t fill_level(const SelectedPixel* pixels, std::size_t coun
   const float limit_v = static_cast<float>(gray.rows - 2);
   if (gray.cols < 4 || gray.rows < 4) return 0;
   std::size_t filled = 0;
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    Floats x{}, y{}, z{};
-    for (std::size_t k = 0; k < kLanes && i + k < count; ++k) {
+  for (std::size_t i = 0; i < count; i += simd::kWidth) {
+    Float8 x{}, y{}, z{};
+    for (std::size_t k = 0; k < simd::kWidth && i + k < count; ++k) {
       x[k] = static_cast<float>(pixels[i + k].pixel.x);
       y[k] = static_cast<float>(pixels[i + k].pixel.y);
       z[k] = pixels[i + k].depth;
     }
-    const Floats u = x * c.scale, v = y * c.scale;
-    const Ints within = (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v) & (z > 0.F);
+    const Float8 u = x * c.scale, v = y * c.scale;
+    const Int8 within = (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v) & (z > 0.F);
     std::int32_t all = -1;
-    for (std::size_t k = 0; k < kLanes; ++k) all &= within[k];
+    for (std::size_t k = 0; k < simd::kWidth; ++k) all &= within[k];
     Samples image;
-    sample(gray, within ? u : Floats{} + 1.F, within ? v : Floats{} + 1.F, image);
-    const Floats &gx = image.gx, &gy = image.gy;
-    const Floats px = (x - c.cx) / c.fx * z, py = (y - c.cy) / c.fy * z;
+    sample(gray, within ? u : Float8{} + 1.F, within ? v : Float8{} + 1.F, image);
+    const Float8 &gx = image.gx, &gy = image.gy;
+    const Float8 px = (x - c.cx) / c.fx * z, py = (y - c.cy) / c.fy * z;
     // d (u, v) / d xi for a point moved by exp(xi), contracted with the image gradient.
-    const Floats inverse_z = 1.F / z;
-    const Floats a = gx * c.level_fx * inverse_z, b = gy * c.level_fy * inverse_z;
-    const Floats d = -(a * px + b * py) * inverse_z;
+    const Float8 inverse_z = 1.F / z;
+    const Float8 a = gx * c.level_fx * inverse_z, b = gy * c.level_fy * inverse_z;
+    const Float8 d = -(a * px + b * py) * inverse_z;
     // rho: (a, b, d); phi: p x (a, b, d), because d(exp(xi) p) / d phi = -[p]x.
-    const Floats values[kArrays] = {px,
+    const Float8 values[kArrays] = {px,
                                     py,
                                     z,
                                     image.value,
@@ -69,11 +72,11 @@ EDVO_CLONES std::size_t fill_level(const SelectedPixel* pixels, std::size_t coun
                                     z * a - px * d,
                                     px * b - py * a};
     if (all != 0) {
-      for (int n = 0; n < kArrays; ++n) lanes(out[n] + filled) = values[n];
-      filled += kLanes;
+      for (int n = 0; n < kArrays; ++n) simd::store(out[n] + filled, values[n]);
+      filled += simd::kWidth;
       continue;
     }
-    for (std::size_t k = 0; k < kLanes; ++k) {
+    for (std::size_t k = 0; k < simd::kWidth; ++k) {
       if (within[k] == 0) continue;
       for (int n = 0; n < kArrays; ++n) out[n][filled] = values[n][k];
       ++filled;
@@ -104,7 +107,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
     }
     std::array<float*, kArrays> out;
     for (std::size_t n = 0; n < kArrays; ++n) {
-      arrays[n]->resize(pixels.size() + kLanes);
+      arrays[n]->resize(pixels.size() + simd::kWidth);
       out[n] = arrays[n]->data();
     }
     level.count = fill_level(pixels.data(), pixels.size(), source.gray,
@@ -120,7 +123,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
                              out.data());
     for (std::vector<float>* array : arrays) {
       array->resize(level.count);
-      array->resize(padded(level.count));  // by zeros
+      array->resize(simd::padded(level.count));  // by zeros
     }
   }
   return reference;

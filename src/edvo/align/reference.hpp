@@ -12,7 +12,7 @@
 namespace edvo {
 
 // Structure of arrays: the inner loops run over points. All arrays have the same length, padded by
-// points of zeros so that eight can be read at a time (core/lanes.hpp).
+// points of zeros so that eight can be read at a time (simd/float8.hpp).
 struct ReferenceLevel {
   Camera camera;
   std::size_t count = 0;                       // of points

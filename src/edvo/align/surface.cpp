@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/align/surface.hpp"
 
-#include "edvo/core/lanes.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <cmath>
 #include <utility>
@@ -65,7 +65,7 @@ SurfacePoints make_surface(const Depth& depth, const Camera& camera, int cell, d
       surface.ny.push_back(plane.b * fy);
       surface.nz.push_back(plane.c - plane.a * fx * x - plane.b * fy * y);
     }
-  const std::size_t length = padded(surface.x.size());
+  const std::size_t length = simd::padded(surface.x.size());
   for (std::vector<float>* array :
        {&surface.x, &surface.y, &surface.z, &surface.nx, &surface.ny, &surface.nz})
     array->resize(length);

@@ -11,7 +11,7 @@ namespace edvo {
 
 // Structure of arrays; the plane through point i is normal_i . x = 1, so that the residual
 // normal_i . x - 1 is an error of depth as a share of depth. Padded by points of zeros so that
-// eight can be read at a time (core/lanes.hpp).
+// eight can be read at a time (simd/float8.hpp).
 struct SurfacePoints {
   std::vector<float> x, y, z;     // in the keyframe camera [m]
   std::vector<float> nx, ny, nz;  // [1 / m]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/features/corners.hpp"
 
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,8 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
 
 bool far_from_all(const cv::Point& position, const std::vector<Corner>& kept, double distance) {
   return std::none_of(kept.begin(), kept.end(), [&](const Corner& corner) {
@@ -45,7 +47,7 @@ std::vector<float> gaussian(double sigma) {
 }
 
 // As many numbers as stay in registers while a kernel passes over them.
-constexpr int kStrip = 2 * static_cast<int>(kLanes);
+constexpr int kStrip = 2 * static_cast<int>(simd::kWidth);
 
 // Squares and product of Sobel's gradient, from three rows of count + 2 pixels.
 EDVO_CLONES void gradient_products(const float* above, const float* row, const float* below,
@@ -68,14 +70,15 @@ EDVO_CLONES void weighted_sum(const float* const* rows, const float* half_kernel
                               int count, float* out) {
   for (int x = 0; x < count; x += kStrip) {
     const float* middle = rows[radius] + x;
-    Floats a = half_kernel[0] * lanes(middle), b = half_kernel[0] * lanes(middle + kLanes);
+    Float8 a = half_kernel[0] * simd::load(middle),
+           b = half_kernel[0] * simd::load(middle + simd::kWidth);
     for (int i = 1; i <= radius; ++i) {
       const float *before = rows[radius - i] + x, *after = rows[radius + i] + x;
-      a += half_kernel[i] * (lanes(before) + lanes(after));
-      b += half_kernel[i] * (lanes(before + kLanes) + lanes(after + kLanes));
+      a += half_kernel[i] * (simd::load(before) + simd::load(after));
+      b += half_kernel[i] * (simd::load(before + simd::kWidth) + simd::load(after + simd::kWidth));
     }
-    lanes(out + x) = a;
-    lanes(out + x + kLanes) = b;
+    simd::store(out + x, a);
+    simd::store(out + x + simd::kWidth, b);
   }
 }
 
@@ -103,14 +106,14 @@ void wide_row(const cv::Mat_<std::uint8_t>& image, int y, int border, float* out
 
 // The largest of them and `least`.
 EDVO_CLONES float largest(const float* values, std::size_t count, float least) {
-  Floats most = Floats{} + least;
+  Float8 most = Float8{} + least;
   std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    const Floats& v = lanes(values + i);
+  for (; i + simd::kWidth <= count; i += simd::kWidth) {
+    const Float8& v = simd::load(values + i);
     most = v > most ? v : most;
   }
   for (; i < count; ++i) least = std::max(least, values[i]);
-  for (std::size_t k = 0; k < kLanes; ++k) least = std::max(least, most[k]);
+  for (std::size_t k = 0; k < simd::kWidth; ++k) least = std::max(least, most[k]);
   return least;
 }
 

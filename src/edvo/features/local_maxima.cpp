@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/features/local_maxima.hpp"
 
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -12,40 +12,39 @@
 namespace edvo {
 namespace {
 
-using Shorts = std::int16_t __attribute__((vector_size(16), aligned(2), may_alias));
-using Bytes = std::uint8_t __attribute__((vector_size(8), aligned(1), may_alias));
+using simd::Float8;
+using simd::Int8;
 
 constexpr int kTan22 = 13573;  // tan(22.5 deg) in 1 / 2^15, as cv::Canny rounds it
 constexpr std::uint8_t kWeak = 1, kStrong = 2;
 
-[[gnu::always_inline]] inline void widen(const std::int16_t* from, Ints& to) {
-  to = __builtin_convertvector(*reinterpret_cast<const Shorts*>(from), Ints);
+[[gnu::always_inline]] inline void widen(const std::int16_t* from, Int8& to) {
+  to = simd::ToInt8(simd::load(from)).value;
 }
 
-[[gnu::always_inline]] inline void magnitude(const Ints& v, Ints& out) {
+[[gnu::always_inline]] inline void magnitude(const Int8& v, Int8& out) {
   out = v < 0 ? -v : v;
 }
 
 EDVO_CLONES void add_up(const std::int16_t* gx, const std::int16_t* gy, int count,
                         std::int16_t* norm) {
-  for (int i = 0; i < count; i += static_cast<int>(kLanes)) {
-    Ints x, y;
+  for (int i = 0; i < count; i += static_cast<int>(simd::kWidth)) {
+    Int8 x, y;
     widen(gx + i, x);
     widen(gy + i, y);
     magnitude(x, x);
     magnitude(y, y);
-    *reinterpret_cast<Shorts*>(norm + i) = __builtin_convertvector(x + y, Shorts);
+    simd::store(norm + i, simd::ToShort8(x + y).value);
   }
 }
 
 EDVO_CLONES void weigh(const float* weights, float unit, int count, std::int16_t* gradient) {
-  for (int i = 0; i < count; i += static_cast<int>(kLanes)) {
-    Ints g;
+  for (int i = 0; i < count; i += static_cast<int>(simd::kWidth)) {
+    Int8 g;
     widen(gradient + i, g);
-    const Floats weighed = unit * lanes(weights + i) * __builtin_convertvector(g, Floats);
-    const Floats half = weighed < 0.F ? Floats{} - 0.5F : Floats{} + 0.5F;
-    *reinterpret_cast<Shorts*>(gradient + i) =
-        __builtin_convertvector(__builtin_convertvector(weighed + half, Ints), Shorts);
+    const Float8 weighed = unit * simd::load(weights + i) * simd::ToFloat8(g).value;
+    const Float8 half = weighed < 0.F ? Float8{} - 0.5F : Float8{} + 0.5F;
+    simd::store(gradient + i, simd::ToShort8(simd::ToInt8(weighed + half).value).value);
   }
 }
 
@@ -54,8 +53,8 @@ EDVO_CLONES void weigh(const float* weights, float unit, int count, std::int16_t
 EDVO_CLONES void classify(const std::int16_t* gx, const std::int16_t* gy, const std::int16_t* above,
                           const std::int16_t* row, const std::int16_t* below, int count, int low,
                           int high, std::uint8_t* classes) {
-  for (int i = 0; i < count; i += static_cast<int>(kLanes)) {
-    Ints x, y, norm, left, right, up, down, up_left, up_right, down_left, down_right;
+  for (int i = 0; i < count; i += static_cast<int>(simd::kWidth)) {
+    Int8 x, y, norm, left, right, up, down, up_left, up_right, down_left, down_right;
     widen(gx + i, x);
     widen(gy + i, y);
     widen(row + i, norm);
@@ -67,17 +66,17 @@ EDVO_CLONES void classify(const std::int16_t* gx, const std::int16_t* gy, const 
     widen(above + i + 1, up_right);
     widen(below + i - 1, down_left);
     widen(below + i + 1, down_right);
-    const Ints rising = (x ^ y) < 0;
+    const Int8 rising = (x ^ y) < 0;
     magnitude(x, x);
     magnitude(y, y);
-    const Ints tan22 = x * kTan22, scaled = y << 15;
-    const Ints horizontal = scaled<tan22, vertical = scaled> tan22 + (x << 16);
-    const Ints straight = horizontal | vertical;
-    const Ints before = horizontal ? left : vertical ? up : rising ? up_right : up_left;
-    const Ints after = horizontal ? right : vertical ? down : rising ? down_left : down_right;
-    const Ints weak = (norm > before) & (norm > after + straight) & (norm > low);
-    const Ints strong = weak & (norm > high);
-    *reinterpret_cast<Bytes*>(classes + i) = __builtin_convertvector(-(weak + strong), Bytes);
+    const Int8 tan22 = x * kTan22, scaled = y << 15;
+    const Int8 horizontal = scaled<tan22, vertical = scaled> tan22 + (x << 16);
+    const Int8 straight = horizontal | vertical;
+    const Int8 before = horizontal ? left : vertical ? up : rising ? up_right : up_left;
+    const Int8 after = horizontal ? right : vertical ? down : rising ? down_left : down_right;
+    const Int8 weak = (norm > before) & (norm > after + straight) & (norm > low);
+    const Int8 strong = weak & (norm > high);
+    simd::store(classes + i, simd::ToByte8(-(weak + strong)).value);
   }
 }
 
@@ -113,7 +112,7 @@ void spread_strong(cv::Mat_<std::uint8_t>& classes) {
 
 GradientImage sobel_gradients(const cv::Mat_<std::uint8_t>& image, const cv::Mat_<float>& weights,
                               int unit) {
-  const int width = static_cast<int>(padded(static_cast<std::size_t>(image.cols)));
+  const int width = static_cast<int>(simd::padded(static_cast<std::size_t>(image.cols)));
   GradientImage result{.size = image.size(),
                        .x = cv::Mat_<std::int16_t>(image.rows, width, std::int16_t{0}),
                        .y = cv::Mat_<std::int16_t>(image.rows, width, std::int16_t{0}),

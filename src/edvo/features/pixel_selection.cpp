@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/features/pixel_selection.hpp"
 
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,9 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
+using simd::Int8;
 
 constexpr int kBorder = 4;  // [px] room for gradients and patches
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -28,19 +31,19 @@ struct DepthLimits {
 };
 
 // The nearest and the farthest depth of each column of some rows; infinity and 0 where there is
-// none. width: at least kLanes, as below.
+// none. width: at least simd::kWidth, as below.
 EDVO_CLONES void span_columns(const float* const* rows, std::size_t count, std::size_t width,
                               float* nearest, float* farthest) {
-  for (std::size_t begin = 0; begin < width; begin += kLanes) {
-    const std::size_t x = std::min(begin, width - kLanes);
-    Floats low = Floats{} + std::numeric_limits<float>::infinity(), high{};
+  for (std::size_t begin = 0; begin < width; begin += simd::kWidth) {
+    const std::size_t x = std::min(begin, width - simd::kWidth);
+    Float8 low = Float8{} + std::numeric_limits<float>::infinity(), high{};
     for (std::size_t i = 0; i < count; ++i) {
-      const Floats& z = lanes(rows[i] + x);  // NaN is neither nearer nor farther
+      const Float8& z = simd::load(rows[i] + x);  // NaN is neither nearer nor farther
       low = z < low ? z : low;
       high = z > high ? z : high;
     }
-    lanes(nearest + x) = low;
-    lanes(farthest + x) = high;
+    simd::store(nearest + x, low);
+    simd::store(farthest + x, high);
   }
 }
 
@@ -49,19 +52,19 @@ EDVO_CLONES void span_columns(const float* const* rows, std::size_t count, std::
 EDVO_CLONES void choose_depths(const float* nearest, const float* farthest, std::size_t count,
                                const float* centre, std::size_t width, const DepthLimits& limits,
                                float* depths) {
-  const Floats none = Floats{} + kNone;
-  for (std::size_t begin = 0; begin < width; begin += kLanes) {
-    const std::size_t x = std::min(begin, width - kLanes);
-    Floats low = lanes(nearest + x), high = lanes(farthest + x);
+  const Float8 none = Float8{} + kNone;
+  for (std::size_t begin = 0; begin < width; begin += simd::kWidth) {
+    const std::size_t x = std::min(begin, width - simd::kWidth);
+    Float8 low = simd::load(nearest + x), high = simd::load(farthest + x);
     for (std::size_t k = 1; k < count; ++k) {
-      const Floats &near = lanes(nearest + x + k), &far = lanes(farthest + x + k);
+      const Float8 &near = simd::load(nearest + x + k), &far = simd::load(farthest + x + k);
       low = near < low ? near : low;
       high = far > high ? far : high;
     }
-    const Floats at_jump = limits.foreground ? low : none;
-    const Floats chosen = high - low > limits.jump * low ? at_jump : lanes(centre + x);
-    const Ints trusted = (chosen >= limits.min) & (chosen <= limits.max);
-    lanes(depths + x) = trusted ? chosen : none;
+    const Float8 at_jump = limits.foreground ? low : none;
+    const Float8 chosen = high - low > limits.jump * low ? at_jump : simd::load(centre + x);
+    const Int8 trusted = (chosen >= limits.min) & (chosen <= limits.max);
+    simd::store(depths + x, trusted ? chosen : none);
   }
 }
 

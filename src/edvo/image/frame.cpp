@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/image/frame.hpp"
 
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,8 +2,8 @@
 #include "edvo/image/undistortion.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,8 @@
 
 namespace edvo {
 namespace {
+
+using simd::Int8;
 
 // Where the ideal pixel (u, v) lies in the distorted image, [px] (Brown 1966, as in OpenCV).
 cv::Vec2f distort(const DistortedCamera& camera, double u, double v) {
@@ -41,14 +43,14 @@ EDVO_CLONES void pair_rows(const std::uint8_t* row, const std::uint8_t* below, i
 }
 
 // As interpolate() does, from pairs: two of them side by side are the four pixels around. count: a
-// multiple of kLanes.
-EDVO_CLONES void undistort_lanes(const std::uint16_t* pairs, const std::int32_t* corner,
+// multiple of simd::kWidth.
+EDVO_CLONES void undistort_eight(const std::uint16_t* pairs, const std::int32_t* corner,
                                  const std::uint8_t* right, const std::uint8_t* down,
                                  std::size_t count, std::uint8_t* out) {
   constexpr std::int32_t kEven = 0x00ff00ff;  // the upper two of the four, 16 bits apart
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    Ints four, a, b;
-    for (std::size_t k = 0; k < kLanes; ++k) {
+  for (std::size_t i = 0; i < count; i += simd::kWidth) {
+    Int8 four, a, b;
+    for (std::size_t k = 0; k < simd::kWidth; ++k) {
       std::int32_t word;
       std::memcpy(&word, pairs + corner[i + k], sizeof word);
       four[k] = word;
@@ -56,9 +58,9 @@ EDVO_CLONES void undistort_lanes(const std::uint16_t* pairs, const std::int32_t*
       b[k] = down[i + k];
     }
     // Left and right column in one multiplication: neither grows beyond 16 bits.
-    const Ints columns = (four & kEven) * (kUnit - b) + ((four >> 8) & kEven) * b;
-    const Ints value = ((columns & 0xffff) * (kUnit - a) + (columns >> 16) * a + kRound) >> 10;
-    for (std::size_t k = 0; k < kLanes; ++k) out[i + k] = static_cast<std::uint8_t>(value[k]);
+    const Int8 columns = (four & kEven) * (kUnit - b) + ((four >> 8) & kEven) * b;
+    const Int8 value = ((columns & 0xffff) * (kUnit - a) + (columns >> 16) * a + kRound) >> 10;
+    for (std::size_t k = 0; k < simd::kWidth; ++k) out[i + k] = static_cast<std::uint8_t>(value[k]);
   }
 }
 
@@ -124,8 +126,8 @@ cv::Mat undistort_colour(const Undistortion& undistortion, const cv::Mat& image)
   const std::size_t count = image.total();
   std::size_t i = 0;
   if (channels == 1) {
-    i = count / kLanes * kLanes;
-    undistort_lanes(paired_rows(whole)[0], corner, right, down, i, out);
+    i = count / simd::kWidth * simd::kWidth;
+    undistort_eight(paired_rows(whole)[0], corner, right, down, i, out);
   }
   for (; i < count; ++i)
     for (int c = 0; c < channels; ++c)

@@ -2,9 +2,9 @@
 #include "edvo/io/image_file.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/core/simd.hpp"
 #include "edvo/io/file.hpp"
 #include "edvo/io/plain_png.hpp"
+#include "edvo/simd/dispatch.hpp"
 
 #include <fmt/core.h>
 #include <spng.h>

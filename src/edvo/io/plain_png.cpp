@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/io/plain_png.hpp"
 
-#include "edvo/core/simd.hpp"
 #include "edvo/io/image_file.hpp"
+#include "edvo/simd/dispatch.hpp"
 
 #include <libdeflate.h>
 #include <algorithm>

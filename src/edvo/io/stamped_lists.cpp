@@ -39,8 +39,7 @@ void order_by_stamp(std::vector<Record<Content>>& records, const path& file,
     if (first_line == 0) first_line = b.line;
     return true;
   };
-  const auto rest = std::ranges::unique(records, repeats);
-  records.erase(rest.begin(), rest.end());
+  records.erase(std::unique(records.begin(), records.end(), repeats), records.end());
   if (records.size() < count)
     warnings.push_back(fmt::format("{}:{}: time stamp already seen; {} such lines left out",
                                    file.string(), first_line, count - records.size()));

@@ -4,11 +4,16 @@
 #include "edvo/network/onednn_plan.hpp"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 #include <optional>
+
+// Of libgomp, by whose threads oneDNN works; clang comes without its omp.h.
+extern "C" {
+void omp_set_num_threads(int count);
+int omp_get_max_threads();
+}
 
 namespace edvo {
 namespace {

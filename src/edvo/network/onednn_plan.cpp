@@ -87,9 +87,9 @@ class Planner {
     plan_.image = image;
     ++uses_[output];
     ++uses_[graph.image];  // its memory takes the next image, too
-    for (const OnnxNode& node : std::views::reverse(graph.nodes))
-      if (is_used(node))
-        for (const std::string& input : node.inputs) ++uses_[input];
+    for (auto node = graph.nodes.rbegin(); node != graph.nodes.rend(); ++node)
+      if (is_used(*node))
+        for (const std::string& input : node->inputs) ++uses_[input];
     plan_.input = buffers_.take(channels_last(image));
     values_[graph.image] = {.memory = plan_.input, .copies = {}};
     for (std::size_t i = 0; i < graph.nodes.size(); ++i)

@@ -2,8 +2,8 @@
 #include "edvo/window/pair_linearization.hpp"
 
 #include "edvo/align/bilinear.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,16 @@
 namespace edvo {
 namespace {
 
+using simd::Float8;
+using simd::Int8;
+
 constexpr int kN = kKeyframeUnknowns;
 constexpr float kSaturation = 6.F;  // [sigmas] what a patch out of view or not matching pays
 constexpr float kOccluded = 1.10F;  // seen depth nearer by this factor: something stands in front
 constexpr float kDepthHuber = 2.F;  // [sigmas]
 constexpr std::size_t kAhead = 4;   // points that memory is asked for before their turn
 
-static_assert(kPatchSize == kLanes && kKeyframeUnknowns == kLanes);
+static_assert(kPatchSize == simd::kWidth && kKeyframeUnknowns == simd::kWidth);
 
 // Sums over a patch that all of its second derivatives are made of: the geometry is that of the
 // patch's centre, as in DSO, the residuals and gradients are each pixel's own.
@@ -38,111 +41,64 @@ enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kC
   const float v = c.fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + c.cy;
   if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
   const int column = static_cast<int>(u), row = static_cast<int>(v);
-  __builtin_prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
-  for (int y = row - 3; y <= row + 4; ++y) __builtin_prefetch(target.gray[y] + column);
-}
-
-// Halves, quarters: sums of eight lanes on their way to one.
-[[gnu::always_inline]] inline void sum_halves(const Floats& a, const Floats& b, Floats& sum) {
-  sum = __builtin_shuffle(a, b, Ints{0, 1, 2, 3, 8, 9, 10, 11}) +
-        __builtin_shuffle(a, b, Ints{4, 5, 6, 7, 12, 13, 14, 15});
-}
-
-[[gnu::always_inline]] inline void sum_quarters(const Floats& a, const Floats& b, Floats& sum) {
-  sum = __builtin_shuffle(a, b, Ints{0, 1, 8, 9, 4, 5, 12, 13}) +
-        __builtin_shuffle(a, b, Ints{2, 3, 10, 11, 6, 7, 14, 15});
-}
-
-// The sums over the lanes of eight numbers each.
-[[gnu::always_inline]] inline void sum_lanes(const Floats* in, float* out) {
-  Floats h[4], q[2];
-  for (int i = 0; i < 4; ++i) sum_halves(in[i], in[i + 4], h[i]);
-  sum_quarters(h[0], h[1], q[0]);
-  sum_quarters(h[2], h[3], q[1]);
-  lanes(out) = __builtin_shuffle(q[0], q[1], Ints{0, 2, 8, 10, 4, 6, 12, 14}) +
-               __builtin_shuffle(q[0], q[1], Ints{1, 3, 9, 11, 5, 7, 13, 15});
+  simd::prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
+  for (int y = row - 3; y <= row + 4; ++y) simd::prefetch(target.gray[y] + column);
 }
 
 // Eight points in view, side by side.
 struct Block {
   std::size_t count;
-  std::size_t index[kLanes];      // which points
-  Floats patches[kSums][kLanes];  // of each sum, its terms in each point's patch
-  Floats x, y;                    // of the points in the target, z = 1
-  Floats scale;                   // of a point's depth in the host by that in the target
-  Floats rho;                     // inverse depth in the host [1 / m]
-  Floats seen;                    // inverse depth in the target, NaN = none [1 / m]
+  std::size_t index[simd::kWidth];      // which points
+  Float8 patches[kSums][simd::kWidth];  // of each sum, its terms in each point's patch
+  Float8 x, y;                          // of the points in the target, z = 1
+  Float8 scale;                         // of a point's depth in the host by that in the target
+  Float8 rho;                           // inverse depth in the host [1 / m]
+  Float8 seen;                          // inverse depth in the target, NaN = none [1 / m]
 };
 
 constexpr int kProducts = kN * (kN + 1) / 2;
 
 // Sums over points, eight at a time: of products of the Jacobian's columns, from the diagonal on.
 struct Totals {
-  Floats products[kProducts] = {}, gradient[kN] = {};
+  Float8 products[kProducts] = {}, gradient[kN] = {};
 };
-
-// Into rows of what are columns.
-[[gnu::always_inline]] inline void transpose(const Floats* in, Floats* out) {
-  Floats a[8], b[8];
-  for (int i = 0; i < 4; ++i) {  // single numbers, then pairs, then halves change places
-    a[2 * i] = __builtin_shuffle(in[2 * i], in[2 * i + 1], Ints{0, 8, 2, 10, 4, 12, 6, 14});
-    a[2 * i + 1] = __builtin_shuffle(in[2 * i], in[2 * i + 1], Ints{1, 9, 3, 11, 5, 13, 7, 15});
-  }
-  for (int i = 0; i < 8; i += 4)
-    for (int k = 0; k < 2; ++k) {
-      b[i + k] = __builtin_shuffle(a[i + k], a[i + k + 2], Ints{0, 1, 8, 9, 4, 5, 12, 13});
-      b[i + k + 2] = __builtin_shuffle(a[i + k], a[i + k + 2], Ints{2, 3, 10, 11, 6, 7, 14, 15});
-    }
-  for (int i = 0; i < 4; ++i) {
-    out[i] = __builtin_shuffle(b[i], b[i + 4], Ints{0, 1, 2, 3, 8, 9, 10, 11});
-    out[i + 4] = __builtin_shuffle(b[i], b[i + 4], Ints{4, 5, 6, 7, 12, 13, 14, 15});
-  }
-}
-
-[[gnu::always_inline]] inline void square_root(const Floats& in, Floats& out) {
-  float v[kLanes];
-  lanes(v) = in;
-  for (float& each : v) each = std::sqrt(each);
-  out = lanes(v);
-}
 
 // Adds the points of a block; returns their cost.
 [[gnu::always_inline]] inline double add_block(const PairConstants& c, const PairGeometry& g,
                                                const Block& block, Totals& totals,
                                                PointNormals* depths, float* coupling) {
   const auto& t = g.translation;
-  const Floats zero{};
-  Floats sum[kSums];
-  for (int k = 0; k < kSums; ++k) sum_lanes(block.patches[k], reinterpret_cast<float*>(&sum[k]));
-  const Floats &px = block.x, &py = block.y, &scale = block.scale;
-  const Floats inverse_z = block.rho * scale;
+  const Float8 zero{};
+  Float8 sum[kSums];
+  for (int k = 0; k < kSums; ++k) simd::sum_each(block.patches[k], sum[k]);
+  const Float8 &px = block.x, &py = block.y, &scale = block.scale;
+  const Float8 inverse_z = block.rho * scale;
   // Depth residual 1 / z - seen, where the target's depth is smooth.
-  const Ints sensed = (block.seen == block.seen) & (zero + c.depth_weight > 0.F);
-  const Floats seen = sensed ? block.seen : inverse_z;
-  const Floats error = inverse_z - seen;
-  const Floats bias = c.depth_bias * seen;
-  const Floats variance = c.depth_variance + bias * bias;
-  Floats deviation;
-  square_root(variance, deviation);
-  const Floats norm = (error < 0.F ? -error : error) / deviation;
-  const Floats fitting = norm < kDepthHuber ? norm : zero + kDepthHuber;
-  const Floats larger = norm > kDepthHuber ? norm : zero + kDepthHuber;
-  const Floats cost = sum[kCost] + c.depth_weight * fitting * (norm - 0.5F * fitting);
-  const Ints fits = cost <= c.most;
+  const Int8 sensed = (block.seen == block.seen) & (zero + c.depth_weight > 0.F);
+  const Float8 seen = sensed ? block.seen : inverse_z;
+  const Float8 error = inverse_z - seen;
+  const Float8 bias = c.depth_bias * seen;
+  const Float8 variance = c.depth_variance + bias * bias;
+  const Float8 deviation = simd::SquareRoot(variance).value;
+  const Float8 norm = (error < 0.F ? -error : error) / deviation;
+  const Float8 fitting = norm < kDepthHuber ? norm : zero + kDepthHuber;
+  const Float8 larger = norm > kDepthHuber ? norm : zero + kDepthHuber;
+  const Float8 cost = sum[kCost] + c.depth_weight * fitting * (norm - 0.5F * fitting);
+  const Int8 fits = cost <= c.most;
   for (int k = 0; k < kSums; ++k) sum[k] = fits ? sum[k] : zero;
-  const Floats depth_weight =
-      sensed & fits ? c.depth_weight / variance * kDepthHuber / larger : zero;
+  const Float8 depth_weight =
+      (sensed & fits) ? c.depth_weight / variance * kDepthHuber / larger : zero;
 
   const float s = 1 / c.sigma, s2 = s * s;
   const float unit = -static_cast<float>(kBrightnessUnit);
   // d (u, v) / d xi at the centre.
-  const Floats du[6] = {c.fx * inverse_z,       zero,      -c.fx * px * inverse_z, -c.fx * px * py,
+  const Float8 du[6] = {c.fx * inverse_z,       zero,      -c.fx * px * inverse_z, -c.fx * px * py,
                         c.fx * (1.F + px * px), -c.fx * py};
-  const Floats dv[6] = {
+  const Float8 dv[6] = {
       zero,           c.fy * inverse_z, -c.fy * py * inverse_z, -c.fy * (1.F + py * py),
       c.fy * px * py, c.fy * px};
   // Gradient-weighted columns of the Jacobian.
-  Floats gu[kN], gv[kN];
+  Float8 gu[kN], gv[kN];
 #pragma GCC unroll 6
   for (int a = 0; a < 6; ++a) {
     gu[a] = s2 * (sum[kXX] * du[a] + sum[kXY] * dv[a]);
@@ -153,18 +109,18 @@ struct Totals {
   gv[6] = s2 * sum[kYA];
   gv[7] = s2 * unit * sum[kY];
   // 1 / z of the point: d / d xi = -1 / z^2 (0, 0, 1, y z, -x z, 0).
-  const Floats jz[3] = {-inverse_z * inverse_z, -inverse_z * py, inverse_z * px};
+  const Float8 jz[3] = {-inverse_z * inverse_z, -inverse_z * py, inverse_z * px};
   const auto by_depth = [](int a) { return a >= 2 && a < 5; };
   int product = 0;
 #pragma GCC unroll 6
   for (int a = 0; a < 6; ++a) {
 #pragma GCC unroll 8
     for (int b = a; b < kN; ++b) {
-      Floats p = du[a] * gu[b] + dv[a] * gv[b];
+      Float8 p = du[a] * gu[b] + dv[a] * gv[b];
       if (by_depth(a) && by_depth(b)) p += depth_weight * jz[a - 2] * jz[b - 2];
       totals.products[product++] += p;
     }
-    Floats p = s * (sum[kXR] * du[a] + sum[kYR] * dv[a]);
+    Float8 p = s * (sum[kXR] * du[a] + sum[kYR] * dv[a]);
     if (by_depth(a)) p += depth_weight * jz[a - 2] * error;
     totals.gradient[a] += p;
   }
@@ -175,26 +131,26 @@ struct Totals {
   totals.gradient[7] += s * unit * sum[kR];
 
   // d (u, v) / d rho = f (t - (x, y) t_z) / q_z, and d (1 / z) / d rho.
-  const Floats ru = c.fx * (t[0] - px * t[2]) * scale, rv = c.fy * (t[1] - py * t[2]) * scale;
-  const Floats jr = (1.F - block.rho * t[2] * scale) * scale;
-  Floats columns[kN], rows[kN];
+  const Float8 ru = c.fx * (t[0] - px * t[2]) * scale, rv = c.fy * (t[1] - py * t[2]) * scale;
+  const Float8 jr = (1.F - block.rho * t[2] * scale) * scale;
+  Float8 columns[kN], rows[kN];
 #pragma GCC unroll 8
   for (int a = 0; a < kN; ++a) {
     columns[a] = ru * gu[a] + rv * gv[a];
     if (by_depth(a)) columns[a] += depth_weight * jr * jz[a - 2];
   }
-  transpose(columns, rows);
-  const Floats gradient = s * (sum[kXR] * ru + sum[kYR] * rv) + depth_weight * jr * error;
-  const Floats curvature =
+  simd::transpose(columns, rows);
+  const Float8 gradient = s * (sum[kXR] * ru + sum[kYR] * rv) + depth_weight * jr * error;
+  const Float8 curvature =
       s2 * (ru * (sum[kXX] * ru + sum[kXY] * rv) + rv * (sum[kXY] * ru + sum[kYY] * rv)) +
       depth_weight * jr * jr;
   for (std::size_t k = 0; k < block.count; ++k) {
     const std::size_t i = block.index[k];
-    lanes(coupling + i * kN) = rows[k];
+    simd::store(coupling + i * kN, rows[k]);
     depths[i].gradient += gradient[k];
     depths[i].curvature += curvature[k];
   }
-  return static_cast<double>(sum_of(fits ? cost : zero + c.most));
+  return static_cast<double>(simd::sum(fits ? cost : zero + c.most));
 }
 
 }  // namespace
@@ -241,27 +197,27 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
   const auto& t = g.translation;
   double total = 0;
   const float inverse_sigma = 1 / c.sigma;
-  const Floats &pattern_x = lanes(kPatternX), &pattern_y = lanes(kPatternY);
+  const Float8 &pattern_x = simd::load(kPatternX), &pattern_y = simd::load(kPatternY);
   Totals totals;
   Block block{};
   for (std::size_t i = 0; i < points.size();) {
     block.count = 0;
-    while (block.count < kLanes && i < points.size()) {
+    while (block.count < simd::kWidth && i < points.size()) {
       const std::size_t now = i++;
       const WindowPoint& point = points[now];
       if (now + kAhead < points.size()) prefetch_patch(c, g, points[now + kAhead], target);
-      lanes(coupling + now * kN) = Floats{};
+      simd::store(coupling + now * kN, Float8{});
       const float rho = static_cast<float>(point.inverse_depth);
       const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
-      const Floats rx = (point.u + pattern_x - c.cx) / c.fx;
-      const Floats ry = (point.v + pattern_y - c.cy) / c.fy;
-      const Floats qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
-      const Floats iz = 1.F / qz;
-      const Floats x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
-      const Floats y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
-      const Floats u = c.fx * x + c.cx;
-      const Floats v = c.fy * y + c.cy;
-      const Ints fits =
+      const Float8 rx = (point.u + pattern_x - c.cx) / c.fx;
+      const Float8 ry = (point.v + pattern_y - c.cy) / c.fy;
+      const Float8 qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
+      const Float8 iz = 1.F / qz;
+      const Float8 x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
+      const Float8 y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
+      const Float8 u = c.fx * x + c.cx;
+      const Float8 v = c.fy * y + c.cy;
+      const Int8 fits =
           (qz > kLeastScale) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
       std::int32_t visible = -1;
       for (int k = 0; k < kPatchSize; ++k) visible &= fits[k];
@@ -277,15 +233,15 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       }
       Samples image;
       sample(target.gray, u, v, image);
-      const Floats radiance = lanes(point.intensity.data()) - g.bias_host;
-      const Floats r = (image.value - g.gain * radiance - g.bias_target) * inverse_sigma;
-      const Floats size = r < 0.F ? -r : r;
-      const Floats inlier = size < c.huber ? size : Floats{} + c.huber;
-      const Floats larger = size > c.huber ? size : Floats{} + c.huber;
-      const Floats& gradient_weight_scale = lanes(point.gradient_weight_scale.data());
-      const Floats w = gradient_weight_scale * c.huber / larger;
-      const Floats by_gain = -radiance * g.inverse_host_gain;
-      const Floats wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
+      const Float8 radiance = simd::load(point.intensity.data()) - g.bias_host;
+      const Float8 r = (image.value - g.gain * radiance - g.bias_target) * inverse_sigma;
+      const Float8 size = r < 0.F ? -r : r;
+      const Float8 inlier = size < c.huber ? size : Float8{} + c.huber;
+      const Float8 larger = size > c.huber ? size : Float8{} + c.huber;
+      const Float8& gradient_weight_scale = simd::load(point.gradient_weight_scale.data());
+      const Float8 w = gradient_weight_scale * c.huber / larger;
+      const Float8 by_gain = -radiance * g.inverse_host_gain;
+      const Float8 wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
       const std::size_t k = block.count++;
       block.index[k] = now;
       block.patches[kXX][k] = wx * image.gx;
@@ -309,8 +265,8 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       block.rho[k] = rho;
       block.seen[k] = seen;
     }
-    for (std::size_t k = block.count; k < kLanes; ++k) {  // left over: weighs nothing
-      for (Floats(&patch)[kLanes] : block.patches) patch[k] = Floats{};
+    for (std::size_t k = block.count; k < simd::kWidth; ++k) {  // left over: weighs nothing
+      for (Float8(&patch)[simd::kWidth] : block.patches) patch[k] = Float8{};
       block.seen[k] = std::numeric_limits<float>::quiet_NaN();
     }
     if (block.count > 0) total += add_block(c, g, block, totals, depths, coupling);
@@ -318,11 +274,11 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
   int product = 0;
   for (int a = 0; a < kN; ++a) {
     for (int b = a; b < kN; ++b) {
-      const float value = sum_of(totals.products[product++]);
+      const float value = simd::sum(totals.products[product++]);
       pair.hessian[static_cast<std::size_t>(a * kN + b)] += value;
       if (b > a) pair.hessian[static_cast<std::size_t>(b * kN + a)] += value;
     }
-    pair.gradient[static_cast<std::size_t>(a)] += sum_of(totals.gradient[a]);
+    pair.gradient[static_cast<std::size_t>(a)] += simd::sum(totals.gradient[a]);
   }
   return total;
 }

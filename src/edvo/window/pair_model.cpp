@@ -3,8 +3,8 @@
 
 #include "edvo/align/bilinear.hpp"
 #include "edvo/align/robust.hpp"
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,8 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
 
 constexpr int kN = kKeyframeUnknowns;
 // [grey levels] A pair that is given a larger sigma has its depth count less, too.
@@ -94,18 +96,18 @@ EDVO_CLONES float move_points(const std::vector<WindowPoint>& points, const floa
                               const float* coupling, float* depths, PointNormals* systems,
                               float* pull) {
   float cost = 0;
-  Floats sum{};
+  Float8 sum{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto now = static_cast<float>(points[i].inverse_depth);
     const float moved = now - depths[i];
     depths[i] = now;
-    const Floats& c = lanes(coupling + i * kN);
-    const float by_pair = sum_of(c * lanes(step));
+    const Float8& c = simd::load(coupling + i * kN);
+    const float by_pair = simd::sum(c * simd::load(step));
     sum += moved * c;
     cost += moved * (systems[i].gradient + by_pair + 0.5F * systems[i].curvature * moved);
     systems[i].gradient += by_pair + systems[i].curvature * moved;
   }
-  lanes(pull) = sum;
+  simd::store(pull, sum);
   return cost;
 }
 

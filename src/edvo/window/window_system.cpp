@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/window/window_system.hpp"
 
-#include "edvo/core/lanes.hpp"
-#include "edvo/core/simd.hpp"
+#include "edvo/simd/dispatch.hpp"
+#include "edvo/simd/float8.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -10,6 +10,8 @@
 
 namespace edvo {
 namespace {
+
+using simd::Float8;
 
 constexpr int kN = kKeyframeUnknowns;
 constexpr double kGainSigma = 0.3;   // prior of the brightness
@@ -22,7 +24,7 @@ constexpr std::size_t kAtOnce = 4;  // points: sums over them stay in registers
                                            float* row) {
   const float* c = host.values.data() + point * host.columns.size() * kN;
   for (const int column : host.columns) {
-    lanes(row + column) += lanes(c);
+    simd::store(row + column, simd::load(row + column) + simd::load(c));
     c += kN;
   }
 }
@@ -66,17 +68,17 @@ EDVO_CLONES void schur_complement(const WindowSystem& a, const WindowSystem& b, 
             t[p] = rows[p * n + k + 1] * inverse[p];
           }
           for (std::size_t m = block; m < n; m += kN) {
-            Floats x = lanes(row + m), y = lanes(next + m);
-            x -= s[0] * lanes(c0 + m);
-            y -= t[0] * lanes(c0 + m);
-            x -= s[1] * lanes(c1 + m);
-            y -= t[1] * lanes(c1 + m);
-            x -= s[2] * lanes(c2 + m);
-            y -= t[2] * lanes(c2 + m);
-            x -= s[3] * lanes(c3 + m);
-            y -= t[3] * lanes(c3 + m);
-            lanes(row + m) = x;
-            lanes(next + m) = y;
+            Float8 x = simd::load(row + m), y = simd::load(next + m);
+            x -= s[0] * simd::load(c0 + m);
+            y -= t[0] * simd::load(c0 + m);
+            x -= s[1] * simd::load(c1 + m);
+            y -= t[1] * simd::load(c1 + m);
+            x -= s[2] * simd::load(c2 + m);
+            y -= t[2] * simd::load(c2 + m);
+            x -= s[3] * simd::load(c3 + m);
+            y -= t[3] * simd::load(c3 + m);
+            simd::store(row + m, x);
+            simd::store(next + m, y);
           }
         }
       }
@@ -92,12 +94,14 @@ EDVO_CLONES void spread_coupling(const float* pair, std::size_t points, std::siz
                                  float* target) {
   for (std::size_t i = 0; i < points; ++i) {
     const float* c = pair + i * kN;
-    Floats sum{};
+    Float8 sum{};
     if (host != nullptr) {
-      for (int k = 0; k < kN; ++k) sum += c[k] * lanes(to_host + k * kN);
-      lanes(host + i * n) += sum;
+      for (int k = 0; k < kN; ++k) sum += c[k] * simd::load(to_host + k * kN);
+      simd::store(host + i * n, simd::load(host + i * n) + sum);
     }
-    if (target != nullptr) lanes(target + i * n) += lanes(to_target) * lanes(c);
+    if (target != nullptr)
+      simd::store(target + i * n,
+                  simd::load(target + i * n) + simd::load(to_target) * simd::load(c));
   }
 }
 
@@ -134,13 +138,13 @@ float* block_of(PosePointBlocks& host, int column) {
 EDVO_CLONES void multiply(const PosePointBlocks& host, const float* step, float* products) {
   const std::size_t width = host.columns.size() * kN;
   for (std::size_t i = 0; i < host.points; ++i) {
-    Floats sum{};
+    Float8 sum{};
     const float* c = host.values.data() + i * width;
     for (const int column : host.columns) {
-      sum += lanes(c) * lanes(step + column);
+      sum += simd::load(c) * simd::load(step + column);
       c += kN;
     }
-    products[i] += sum_of(sum);
+    products[i] += simd::sum(sum);
   }
 }
 
@@ -150,7 +154,7 @@ EDVO_CLONES void multiply_transposed(const PosePointBlocks& host, const float* s
   for (std::size_t i = 0; i < host.points; ++i) {
     const float* c = host.values.data() + i * width;
     for (const int column : host.columns) {
-      lanes(pull + column) += steps[i] * lanes(c);
+      simd::store(pull + column, simd::load(pull + column) + steps[i] * simd::load(c));
       c += kN;
     }
   }

@@ -5,7 +5,7 @@
 
 // A function so marked must contain its loops itself (what it calls is compiled for the baseline).
 // Without contraction and reassociation all versions give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(EDVO_NO_CLONES)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(EDVO_NO_CLONES)
 #define EDVO_CLONES __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
 #else
 #define EDVO_CLONES
