@@ -32,12 +32,11 @@
 
 namespace {
 
-using simd::Float8;
-
 using namespace edvo;
 using benchmarks::cpu_seconds;
 using benchmarks::keep;
 using benchmarks::World;
+using simd::Float8;
 namespace fs = std::filesystem;
 
 // Median CPU time of a call [s].
