@@ -1,17 +1,34 @@
 // SPDX-License-Identifier: MIT
-// The one interface of all edge detectors.
+// Where the edges of a keyframe come from: the one interface of Canny, networks and your own.
 #pragma once
 
+#include "edvo/features/canny.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
 #include <opencv2/core.hpp>
 
 namespace edvo {
+
+// One undistorted image.
+struct EdgeInput {
+  const cv::Mat_<std::uint8_t>& gray;           // H x W [grey levels]
+  std::function<cv::Mat_<cv::Vec3b>()> colour;  // H x W, BGR; made when asked for
+};
 
 class EdgeDetector {
  public:
   virtual ~EdgeDetector() = default;
 
-  // bgr: H x W, 8-bit. Returns the edge strength, H x W, [0..1]. Thread-safe, same bits each time.
-  [[nodiscard]] virtual cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const = 0;
+  // Returns H x W, 255 = edge, 0 = none. Called by one thread at a time; must give the same bits
+  // for the same image.
+  [[nodiscard]] virtual cv::Mat_<std::uint8_t> detect(const EdgeInput& image) const = 0;
 };
+
+[[nodiscard]] std::unique_ptr<EdgeDetector> make_canny_detector(const CannyOptions& options);
+
+// Every pixel is an edge: for the dense method.
+[[nodiscard]] std::unique_ptr<EdgeDetector> make_dense_detector();
 
 }  // namespace edvo

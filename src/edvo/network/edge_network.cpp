@@ -124,9 +124,9 @@ std::unique_ptr<Inference> load(const Model& model, const std::string& output,
   }
 }
 
-class NetworkDetector final : public EdgeDetector {
+class NetworkStrength final : public EdgeStrength {
  public:
-  NetworkDetector(const Model& model, InferenceEngine engine, cv::Size image_size)
+  NetworkStrength(const Model& model, InferenceEngine engine, cv::Size image_size)
       : description_(model.description),
         source_(model.source),
         output_(output_name(model)),
@@ -134,18 +134,18 @@ class NetworkDetector final : public EdgeDetector {
             model, output_, engine,
             padded(content_size(image_size, description_.input, source_), description_.input))) {}
 
-  [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
+  [[nodiscard]] cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr) const override {
     const Fitted fitted = fit(bgr, description_.input, source_);
-    cv::Mat_<float> strength = run(fitted.image);
-    activate(strength);
-    if (fitted.content != strength.size())
-      strength = strength(cv::Rect({}, fitted.content)).clone();
+    cv::Mat_<float> map = run(fitted.image);
+    activate(map);
+    if (fitted.content != map.size())
+      map = map(cv::Rect({}, fitted.content)).clone();
     if (fitted.content != bgr.size()) {
       cv::Mat resized;
-      cv::resize(strength, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);
-      strength = resized;
+      cv::resize(map, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);
+      map = resized;
     }
-    return strength;
+    return map;
   }
 
  private:
@@ -220,21 +220,21 @@ Model model_of(const NetworkOptions& options) {
 
 }  // namespace
 
-std::unique_ptr<EdgeDetector> make_network_detector(const Model& model, cv::Size image_size,
+std::unique_ptr<EdgeStrength> make_network_strength(const Model& model, cv::Size image_size,
                                                     InferenceEngine engine) {
-  auto detector = std::make_unique<NetworkDetector>(model, engine, image_size);
-  (void)detector->detect(cv::Mat_<cv::Vec3b>(image_size, cv::Vec3b(0, 0, 0)));
-  return detector;
+  auto network = std::make_unique<NetworkStrength>(model, engine, image_size);
+  (void)network->strength(cv::Mat_<cv::Vec3b>(image_size, cv::Vec3b(0, 0, 0)));
+  return network;
 }
 
-std::unique_ptr<EdgeDetector> open_network(const NetworkOptions& options, cv::Size image_size) {
-  return make_network_detector(model_of(options), image_size);
+std::unique_ptr<EdgeStrength> open_network(const NetworkOptions& options, cv::Size image_size) {
+  return make_network_strength(model_of(options), image_size);
 }
 
-std::unique_ptr<EdgeDetector> open_cached_network(const NetworkOptions& options,
+std::unique_ptr<EdgeStrength> open_cached_network(const NetworkOptions& options,
                                                   cv::Size image_size, EdgeCache cache) {
   const Model model = model_of(options);
-  return make_cached_detector(make_network_detector(model, image_size), fingerprint(model),
+  return make_cached_strength(make_network_strength(model, image_size), fingerprint(model),
                               std::move(cache));
 }
 
@@ -247,16 +247,6 @@ std::string fingerprint(const Model& model) {
       fmt::join(input.mean, " "), input.scale, input.multiple_of, static_cast<int>(input.padding),
       input.size.width, input.size.height, input.factor, output.name, output.index,
       static_cast<int>(output.activation), CV_VERSION, onednn_version()));
-}
-
-cv::Mat_<std::uint8_t> network_edges(const cv::Mat_<float>& strength,
-                                     const cv::Mat_<std::uint8_t>& gray,
-                                     const NetworkOptions& options) {
-  // A network's line may lie a pixel beside the step of the image.
-  cv::Mat_<float> weights;
-  cv::dilate(strength, weights, cv::Mat::ones(3, 3, CV_8U));
-  cv::pow(weights, options.edge_exponent, weights);
-  return canny_edges(gray, options.crests, weights);
 }
 
 }  // namespace edvo

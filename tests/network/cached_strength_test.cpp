@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/network/cached_detector.hpp"
+#include "edvo/network/cached_strength.hpp"
 
 #include "edvo/io/strength_file.hpp"
 #include "edvo/network/edge_network.hpp"
@@ -17,10 +17,10 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // Counts how often it was asked; its answer depends on the image.
-class CountingDetector final : public EdgeDetector {
+class CountingDetector final : public EdgeStrength {
  public:
   explicit CountingDetector(int& count) : count_(count) {}
-  [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
+  [[nodiscard]] cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr) const override {
     ++count_;
     cv::Mat_<float> strength(bgr.size());
     for (int y = 0; y < bgr.rows; ++y)
@@ -33,13 +33,13 @@ class CountingDetector final : public EdgeDetector {
   int& count_;
 };
 
-class CachedDetector : public testing::Test {
+class CachedStrength : public testing::Test {
  protected:
-  cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr, const std::string& fingerprint = "one") {
+  cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr, const std::string& fingerprint = "one") {
     const auto warn = [this](const std::string& warning) { warnings_.push_back(warning); };
-    return make_cached_detector(std::make_unique<CountingDetector>(asked_), fingerprint,
+    return make_cached_strength(std::make_unique<CountingDetector>(asked_), fingerprint,
                                 {.folder = folder_, .warn = warn})
-        ->detect(bgr);
+        ->strength(bgr);
   }
   [[nodiscard]] fs::path entry() const { return fs::directory_iterator(folder_)->path(); }
   [[nodiscard]] bool is_right(const cv::Mat_<float>& strength) const {
@@ -54,7 +54,7 @@ class CachedDetector : public testing::Test {
   int asked_ = 0;
 };
 
-TEST_F(CachedDetector, AsksOnceForEachImageAndNetwork) {
+TEST_F(CachedStrength, AsksOnceForEachImageAndNetwork) {
   EXPECT_TRUE(is_right(detect(image_)));
   EXPECT_TRUE(is_right(detect(image_)));
   EXPECT_EQ(asked_, 1);
@@ -68,14 +68,14 @@ TEST_F(CachedDetector, AsksOnceForEachImageAndNetwork) {
   EXPECT_TRUE(warnings_.empty());
 }
 
-TEST_F(CachedDetector, KnowsAPartOfALargerImage) {
+TEST_F(CachedStrength, KnowsAPartOfALargerImage) {
   const cv::Mat_<cv::Vec3b> part = image_(cv::Rect(10, 10, 30, 20));
   (void)detect(part);
   (void)detect(part.clone());
   EXPECT_EQ(asked_, 1);
 }
 
-TEST_F(CachedDetector, ComputesAgainWhatIsDamaged) {
+TEST_F(CachedStrength, ComputesAgainWhatIsDamaged) {
   (void)detect(image_);
   const fs::path file = entry();
   const auto size = fs::file_size(file);
@@ -98,7 +98,7 @@ TEST_F(CachedDetector, ComputesAgainWhatIsDamaged) {
   }
 }
 
-TEST_F(CachedDetector, GoesOnWhereItCannotWrite) {
+TEST_F(CachedStrength, GoesOnWhereItCannotWrite) {
   folder_ = "/proc/nowhere";
   EXPECT_TRUE(is_right(detect(image_)));
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("/proc/nowhere")));

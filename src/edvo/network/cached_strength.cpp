@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/network/cached_detector.hpp"
+#include "edvo/network/cached_strength.hpp"
 
 #include "edvo/core/error.hpp"
 #include "edvo/core/sha256.hpp"
@@ -14,23 +14,23 @@
 namespace edvo {
 namespace {
 
-class CachedDetector final : public EdgeDetector {
+class CachedStrength final : public EdgeStrength {
  public:
-  CachedDetector(std::unique_ptr<EdgeDetector> detector, std::string fingerprint, EdgeCache cache)
-      : detector_(std::move(detector)),
+  CachedStrength(std::unique_ptr<EdgeStrength> source, std::string fingerprint, EdgeCache cache)
+      : source_(std::move(source)),
         fingerprint_(std::move(fingerprint)),
         cache_(std::move(cache)) {}
 
-  [[nodiscard]] cv::Mat_<float> detect(const cv::Mat_<cv::Vec3b>& bgr) const override {
+  [[nodiscard]] cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr) const override {
     const std::string file = fmt::format("{}/{}.edges", cache_.folder, key_of(bgr));
     if (const std::optional<cv::Mat_<float>> known = find(file, bgr.size())) return *known;
-    const cv::Mat_<float> strength = detector_->detect(bgr);
+    const cv::Mat_<float> map = source_->strength(bgr);
     try {
-      write_strength(file, strength);
+      write_strength(file, map);
     } catch (const Error& error) {
       cache_.warn(error.what());
     }
-    return strength;
+    return map;
   }
 
  private:
@@ -52,16 +52,16 @@ class CachedDetector final : public EdgeDetector {
     return std::nullopt;
   }
 
-  std::unique_ptr<EdgeDetector> detector_;
+  std::unique_ptr<EdgeStrength> source_;
   std::string fingerprint_;
   EdgeCache cache_;
 };
 
 }  // namespace
 
-std::unique_ptr<EdgeDetector> make_cached_detector(std::unique_ptr<EdgeDetector> detector,
+std::unique_ptr<EdgeStrength> make_cached_strength(std::unique_ptr<EdgeStrength> source,
                                                    std::string fingerprint, EdgeCache cache) {
-  return std::make_unique<CachedDetector>(std::move(detector), std::move(fingerprint),
+  return std::make_unique<CachedStrength>(std::move(source), std::move(fingerprint),
                                           std::move(cache));
 }
 

@@ -2,7 +2,7 @@
 // A detector that remembers its answers on disk.
 #pragma once
 
-#include "edvo/features/edge_detector.hpp"
+#include "edvo/features/edge_strength.hpp"
 
 #include <functional>
 #include <memory>
@@ -18,7 +18,7 @@ struct EdgeCache {
 
 // Answers from the folder where the same image was seen before by a detector of the same
 // fingerprint, to the last bit; else asks the detector and keeps what it says.
-[[nodiscard]] std::unique_ptr<EdgeDetector> make_cached_detector(
-    std::unique_ptr<EdgeDetector> detector, std::string fingerprint, EdgeCache cache);
+[[nodiscard]] std::unique_ptr<EdgeStrength> make_cached_strength(
+    std::unique_ptr<EdgeStrength> source, std::string fingerprint, EdgeCache cache);
 
 }  // namespace edvo
