@@ -64,7 +64,7 @@ class Edvo : public System {
     cv::setNumThreads(std::max(1, ahead.threads - 1));
     const auto read = [&](std::size_t i) { return odometry_.prepare(read_frame(dataset, i)); };
     read_ahead(read, frames, ahead, [&](const PreparedImage& image) {
-      (void)odometry_.process_prepared(image);
+      (void)odometry_.process(image);
       done();
     });
     cv::setNumThreads(ahead.threads);

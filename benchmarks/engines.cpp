@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Entry {
   std::string name;
-  std::unique_ptr<edvo::EdgeDetector> detector;
+  std::unique_ptr<edvo::EdgeStrength> detector;
   double prepared = 0;          // [ms]
   std::vector<double> forward;  // [ms]
   cv::Mat_<float> answer;
@@ -38,7 +38,7 @@ Entry entry_of(const std::string& model, edvo::InferenceEngine engine, cv::Size 
               .forward = {},
               .answer = {}};
   const auto start = Clock::now();
-  entry.detector = edvo::make_network_detector(file, size, engine);
+  entry.detector = edvo::make_network_strength(file, size, engine);
   entry.prepared = milliseconds_since(start);
   return entry;
 }
@@ -72,7 +72,7 @@ int main(int argc, char** argv) try {
   for (int round = 0; round <= rounds; ++round)
     for (Entry& entry : entries) {
       const auto start = Clock::now();
-      entry.answer = entry.detector->detect(image);
+      entry.answer = entry.detector->strength(image);
       if (round > 0) entry.forward.push_back(milliseconds_since(start));  // the first warms up
     }
   fmt::print("{} x {} px, {} threads, {} rounds\n{:30} {:>12} {:>12} {:>12} {:>10}\n", size.width,

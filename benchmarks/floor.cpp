@@ -180,8 +180,7 @@ KeyframeWindow full_map(const World& w, int step) {
   const int count = w.config.window.keyframes + w.config.window.fixed_keyframes;
   for (int k = 0; k + 1 < count; ++k) {
     const int i = k * step;
-    const Frame frame =
-        make_frame(synth::make_frame(w.sequence, i), w.undistortion, w.config.frame);
+    const Frame frame = make_frame(synth::make_frame(w.sequence, i), w.undistortion);
     map.add(frame, synth::pose_of(w.sequence, i).world_from_camera, {},
             select_pixels(frame, w.mask_of(frame), w.undistortion.valid, w.config.selection),
             w.config);
@@ -219,12 +218,12 @@ void print_images(const World& w, const Rates& rates) {
       {w.undistortion.camera, {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}});  // as TUM's freiburg1
   print_row("grey and undistorted",
             {.bytes = (3 + 1 + 1 + 6 + 1) * pixels, .operations = kUndistortOperations * pixels},
-            seconds_of([&] { keep(make_frame(w.second_image, distorted, {.levels = 1})); }), rates);
+            seconds_of([&] { keep(make_frame(w.second_image, distorted, 1)); }), rates);
   print_row("pyramid, 6 levels",
             {.bytes = 5.0 / 3 * pixels, .operations = 4.0 / 3 * kPyramidOperations * pixels},
             seconds_of([&] {
               cv::Mat level = w.first.levels.front().gray, half;
-              for (int l = 1; l < w.config.frame.levels; ++l) {
+              for (int l = 1; l < kUsualLevels; ++l) {
                 cv::pyrDown(level, half);
                 level = half.clone();
               }
@@ -234,6 +233,7 @@ void print_images(const World& w, const Rates& rates) {
 
 void print_tracking(const World& w, const Rates& rates) {
   PhaseCorrelation correlation;
+  correlation.set_reference(w.second.levels[4].gray);
   const cv::Mat_<std::uint8_t>& small = w.first.levels[4].gray;
   const auto count = static_cast<double>(small.total());
   // Two real transforms, 2.5 n log2 n each; window 1, product 3, its magnitude and division 4 each.
@@ -244,13 +244,13 @@ void print_tracking(const World& w, const Rates& rates) {
 
   AlignScratch scratch;
   AlignOptions options = w.config.tracking;
-  options.finest_level = w.config.coarse.finest_level;
-  options.coarsest_level = w.config.coarse.coarsest_level;
-  Reference coarse =
-      make_reference(w.first, grid_pixels(w.first, w.config.coarse.step, w.config.selection),
-                     {.finest_level = options.finest_level});
-  coarse.surface = make_surface(w.first.depth, w.undistortion.camera, 2 * w.config.coarse.step,
-                                options.depth_noise);
+  constexpr int kStep = 16;  // [px] as MotionPredictor has it, and these levels
+  options.finest_level = 3;
+  options.coarsest_level = 5;
+  Reference coarse = make_reference(w.first, grid_pixels(w.first, kStep, w.config.selection),
+                                    {.finest_level = options.finest_level});
+  coarse.surface =
+      make_surface(w.first.depth, w.undistortion.camera, 2 * kStep, options.depth_noise);
   print_row("coarse alignment",
             alignment_need(coarse, align(coarse, w.second, {}, options, scratch)),
             seconds_of([&] { keep(align(coarse, w.second, {}, options, scratch)); }), rates);
@@ -284,8 +284,7 @@ void print_keyframe(const World& w, const Rates& rates) {
   constexpr int kStep = 5;  // frames between keyframes
   const KeyframeWindow map = full_map(w, kStep);
   const int last = kStep * (w.config.window.keyframes + w.config.window.fixed_keyframes - 1);
-  const Frame frame =
-      make_frame(synth::make_frame(w.sequence, last), w.undistortion, w.config.frame);
+  const Frame frame = make_frame(synth::make_frame(w.sequence, last), w.undistortion);
   const SE3 pose = synth::pose_of(w.sequence, last).world_from_camera;
   const std::vector<SelectedPixel> selected =
       select_pixels(frame, w.mask_of(frame), w.undistortion.valid, w.config.selection);

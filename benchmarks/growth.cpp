@@ -58,16 +58,16 @@ Cost cost_of(const synth::SyntheticSequence& sequence, const Config& config) {
     const double begin = cpu_seconds();
     const PreparedImage prepared = odometry.prepare(image);
     const double middle = cpu_seconds();
-    const FrameResult report = odometry.process_prepared(prepared);
+    const FrameResult report = odometry.process(prepared);
     const double end = cpu_seconds();
     all += 1e3 * (end - begin);
     points += report.points;
     prepare.push_back(1e3 * (middle - begin));
-    (report.keyframe  ? keyframe
-     : after_keyframe ? refinement
-                      : between)
+    (report.keyframe_reason ? keyframe
+     : after_keyframe       ? refinement
+                            : between)
         .push_back(1e3 * (end - middle));
-    after_keyframe = report.keyframe.has_value();
+    after_keyframe = report.keyframe_reason.has_value();
   }
   return {.points = points / (kFrames - 1),  // the first has none to be aligned to
           .prepare = median(prepare),

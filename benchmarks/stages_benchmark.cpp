@@ -17,15 +17,14 @@ const World& world() {
 
 void make_frame_stage(benchmark::State& state) {
   const World& w = world();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(make_frame(w.second_image, w.undistortion, w.config.frame));
+  for (auto _ : state) benchmark::DoNotOptimize(make_frame(w.second_image, w.undistortion));
 }
 BENCHMARK(make_frame_stage)->Name("frame")->Unit(benchmark::kMillisecond);
 
 void edges_stage(benchmark::State& state) {
   const World& w = world();
   for (auto _ : state)
-    benchmark::DoNotOptimize(edge_mask(w.first, w.undistortion, nullptr, w.config));
+    benchmark::DoNotOptimize(canny_edges(w.first.levels.front().gray, w.config.canny));
 }
 BENCHMARK(edges_stage)->Name("edges: canny")->Unit(benchmark::kMillisecond);
 
@@ -59,10 +58,11 @@ BENCHMARK(tracking_stage)->Name("tracking")->Unit(benchmark::kMillisecond);
 // The second keyframe, refined against the first: a full window takes several times as long.
 void map_stage(benchmark::State& state) {
   const World& w = world();
-  const std::vector<SelectedPixel> pixels = select_pixels(
-      w.second,
-      with_corner_discs(edge_mask(w.second, w.undistortion, nullptr, w.config), w.config.corners),
-      w.undistortion.valid, w.config.selection);
+  const std::vector<SelectedPixel> pixels =
+      select_pixels(w.second,
+                    with_corner_discs(canny_edges(w.second.levels.front().gray, w.config.canny),
+                                      w.config.corners),
+                    w.undistortion.valid, w.config.selection);
   const SE3 first_from_second = inverse(synth::pose_of(w.sequence, 0).world_from_camera) *
                                 synth::pose_of(w.sequence, kSecondFrame).world_from_camera;
   KeyframeWindow one;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "edvo/align/align.hpp"
-#include "edvo/odometry/edge_mask.hpp"
+#include "edvo/features/corners.hpp"
 #include "edvo/synth/sequence.hpp"
 
 namespace edvo::benchmarks {
@@ -17,16 +17,16 @@ struct World {
   RgbdImage first_image = synth::make_frame(sequence, 0);
   RgbdImage second_image = synth::make_frame(sequence, kSecondFrame);
   Undistortion undistortion = make_undistortion(sequence.camera);
-  Frame first = make_frame(first_image, undistortion, config.frame);
-  Frame second = make_frame(second_image, undistortion, config.frame);
-  cv::Mat_<std::uint8_t> edges = edge_mask(first, undistortion, nullptr, config);
+  Frame first = make_frame(first_image, undistortion);
+  Frame second = make_frame(second_image, undistortion);
+  cv::Mat_<std::uint8_t> edges = canny_edges(first.levels.front().gray, config.canny);
   cv::Mat_<std::uint8_t> mask = mask_of(first);
   std::vector<SelectedPixel> pixels =
       select_pixels(first, mask, undistortion.valid, config.selection);
   Reference reference = reference_with_surface();
 
   [[nodiscard]] cv::Mat_<std::uint8_t> mask_of(const Frame& frame) const {
-    return with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
+    return with_corner_discs(canny_edges(frame.levels.front().gray, config.canny), config.corners);
   }
 
   [[nodiscard]] Reference reference_with_surface() const {

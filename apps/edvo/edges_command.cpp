@@ -6,6 +6,7 @@
 #include "edvo/io/image_file.hpp"
 #include "edvo/io/output_file.hpp"
 #include "edvo/io/strength_file.hpp"
+#include "edvo/network/edge_network.hpp"
 
 #include <fmt/core.h>
 
@@ -104,7 +105,7 @@ cv::Mat_<std::uint8_t> gray_of(const cv::Mat_<cv::Vec3b>& bgr) {
 }
 
 // The mask that odometry uses, or the strength, in 255 steps or as it is.
-void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const EdgeDetector* network,
+void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const EdgeStrength* network,
                  const Config& config, const Arguments& arguments) {
   if (network == nullptr) {
     const cv::Mat_<std::uint8_t> edges = canny_edges(gray_of(bgr), config.canny);
@@ -113,10 +114,10 @@ void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const Edg
     edges.convertTo(ones, CV_32F, 1 / 255.);
     return write_npy(file, ones);
   }
-  const cv::Mat_<float> strength = network->detect(bgr);
+  const cv::Mat_<float> strength = network->strength(bgr);
   if (arguments.raw) return write_npy(file, strength);
   if (!arguments.strength)
-    return write_png(file, network_edges(strength, gray_of(bgr), config.network));
+    return write_png(file, edges_of_strength(strength, gray_of(bgr), config.network));
   cv::Mat_<std::uint8_t> levels;
   strength.convertTo(levels, CV_8U, 255);
   write_png(file, levels);
@@ -126,7 +127,7 @@ void detect_edges(const Arguments& arguments) {
   const Config config = resolve(arguments);
   const std::vector<Task> tasks = plan(arguments);
   cv::setNumThreads(arguments.threads);
-  std::unique_ptr<EdgeDetector> network;
+  std::unique_ptr<EdgeStrength> network;
   for (const Task& task : tasks) {
     const cv::Mat_<cv::Vec3b> bgr = read_colour(task.image);
     if (config.edge.detector == Detector::kNetwork && !network)

@@ -83,8 +83,10 @@ std::array<Eigen::Index, 2> widest_axes(const Trajectory& truth) {
 Series path_along(const std::array<Eigen::Index, 2>& axes, const Trajectory& trajectory,
                   const std::string& name) {
   std::vector<Sample> samples;
-  for (const auto& [stamp, pose] : trajectory)
-    samples.push_back({stamp, pose.translation[axes[0]], pose.translation[axes[1]]});
+  for (const StampedPose& pose : trajectory) {
+    const Eigen::Vector3d& position = pose.world_from_camera.translation;
+    samples.push_back({pose.stamp, position[axes[0]], position[axes[1]]});
+  }
   return interrupted_at_gaps(name, samples);
 }
 

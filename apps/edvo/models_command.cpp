@@ -190,7 +190,7 @@ struct ImportArguments {
 void try_out(const fs::path& description, const fs::path& onnx) {
   const Model model = read_model(description, onnx);
   const cv::Size size = model.description.input.size;
-  (void)make_network_detector(model, size.empty() ? cv::Size(320, 240) : size);
+  (void)make_network_strength(model, size.empty() ? cv::Size(320, 240) : size);
 }
 
 void import(const ImportArguments& arguments) {

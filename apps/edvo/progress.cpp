@@ -40,7 +40,7 @@ void Progress::frame_done(const FrameResult& report) {
   status_ = std::string(name_of(report.status));
   inlier_ratio_ = report.inlier_ratio;
   if (report.status == FrameStatus::kLost) ++lost_;
-  if (report.keyframe) ++keyframes_;
+  if (report.keyframe_reason) ++keyframes_;
   ++done_;
   advance(done_ == frames_);
 }

@@ -37,7 +37,7 @@ std::variant<FrameResult, Error> process(Odometry& odometry,
                                          const Prefetched<PreparedImage>& frame) {
   if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
-    return odometry.process_prepared(std::get<PreparedImage>(frame.content));
+    return odometry.process(std::get<PreparedImage>(frame.content));
   } catch (const Error& error) {
     return error;
   }
@@ -56,10 +56,14 @@ void skip(const SkippedFrame& frame, Recorder& recorder, Progress& progress) {
 
 using Warn = std::function<void(const std::string&)>;
 
-// The network with a memory, or none where the options ask for no memory. Refers to warn.
-std::unique_ptr<EdgeDetector> remembering_network(const RunOptions& options, const Config& config,
-                                                  const Camera& camera, const Warn& warn) {
-  if (options.edge_cache.empty()) return nullptr;
+// The network, with a memory if the options ask for one; null where the method needs none. Refers
+// to warn.
+std::unique_ptr<EdgeDetector> open_detector(const RunOptions& options, const Config& config,
+                                            const Camera& camera, const Warn& warn) {
+  const cv::Size size(camera.width, camera.height);
+  if (config.edge.detector != Detector::kNetwork && options.edge_cache.empty()) return nullptr;
+  if (options.edge_cache.empty())
+    return make_strength_detector(open_network(config.network, size), config.network);
   if (config.edge.detector != Detector::kNetwork)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--edge-cache {}: method {} uses no network; leave the cache out or "
@@ -71,9 +75,11 @@ std::unique_ptr<EdgeDetector> remembering_network(const RunOptions& options, con
     throw Error(ErrorCode::kOutput,
                 fmt::format("--edge-cache {}: cannot be written: {}", options.edge_cache,
                             error ? error.message() : std::strerror(errno)));
-  return open_cached_network(
-      config.network, {camera.width, camera.height},
-      {.folder = options.edge_cache, .warn = [&warn](const std::string& text) { warn(text); }});
+  return make_strength_detector(
+      open_cached_network(
+          config.network, size,
+          {.folder = options.edge_cache, .warn = [&warn](const std::string& text) { warn(text); }}),
+      config.network);
 }
 
 // True if a signal ended it early.
@@ -137,7 +143,7 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
   cv::setNumThreads(std::max(1, options.threads - 1));  // one thread reads ahead
   Warn warn = [](const std::string&) {};
   Odometry odometry(description.camera, config,
-                    remembering_network(options, config, description.camera.pinhole, warn));
+                    open_detector(options, config, description.camera.pinhole, warn));
   Recorder recorder(make_run_folder(options, description.sequence), description);
   Progress progress(description.frames, options.quiet);
   warn = [&](const std::string& warning) {
@@ -153,8 +159,9 @@ RunResult run_frames(const FrameInput& input, const RunDescription& description,
   outcome.interrupted = track_all(input, frames, odometry, recorder, progress);
   outcome.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  odometry.finish();
   outcome.trajectory = odometry.trajectory();
-  outcome.keyframes = odometry.keyframes();
+  outcome.keyframes = odometry.keyframe_trajectory();
   if (!outcome.trajectory.empty()) evaluate_into(outcome, truth, recorder, progress);
 
   const RunResult result{.summary = recorder.finish(outcome, !options.no_report),

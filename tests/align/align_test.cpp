@@ -197,7 +197,7 @@ TEST(Tracker, EstimatesGainAndBias) {
   RgbdImage darker = test::render_plane(kPlane, kVgaCamera, motion(0.02, 0, 0, 0, 0.01, 0));
   darker.bgr.convertTo(darker.bgr, -1, 0.7, 12);
   const AlignResult result =
-      align(reference, make_frame(darker, make_undistortion({kVgaCamera, {}}), {}), {}, {});
+      align(reference, make_frame(darker, make_undistortion({kVgaCamera, {}})), {}, {});
   EXPECT_NEAR(result.alignment.gain, 0.7, 0.02);
   EXPECT_NEAR(result.alignment.bias, 12, 2.5);
   EXPECT_THAT(result.alignment.cur_from_ref,

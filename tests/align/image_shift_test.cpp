@@ -16,7 +16,7 @@ TEST(Turn, IsFoundFromAShiftThatGradientsDoNotTell) {
   const cv::Mat_<std::uint8_t> before = wide(cv::Rect(20, 15, 40, 30));
   const cv::Mat_<std::uint8_t> now = wide(cv::Rect(20 - 9, 15 + 5, 40, 30));  // all moves (9, -5)
   PhaseCorrelation correlation;
-  correlation.shift_to(before);
+  correlation.set_reference(before);
   const SE3 turn = rotation_from_image_shift(correlation.shift_to(now), camera);
   const Eigen::Vector3d moved = turn * Eigen::Vector3d(0, 0, 1);
   EXPECT_NEAR(moved.x() / moved.z() * camera.fx, 9, 1);
@@ -26,7 +26,7 @@ TEST(Turn, IsFoundFromAShiftThatGradientsDoNotTell) {
 TEST(Turn, IsNoneBetweenBlankImages) {
   const cv::Mat_<std::uint8_t> blank(30, 40, std::uint8_t{90});
   PhaseCorrelation correlation;
-  correlation.shift_to(blank);
+  correlation.set_reference(blank);
   EXPECT_LT(cv::norm(correlation.shift_to(blank)), 1e-6);
 }
 
@@ -47,8 +47,21 @@ TEST(Turn, ShiftsAreThoseOfOpenCv) {
           i == 0 ? cv::Point2d() : cv::phaseCorrelate(before, now.clone(), window);
       EXPECT_LT(cv::norm(shift - expected), 1e-4) << size << ' ' << i;
       image.convertTo(before, CV_32F);
+      correlation.set_reference(image);
     }
   }
+}
+
+TEST(Turn, AnImageThatWasOnlyAskedAboutChangesNothing) {
+  cv::Mat_<std::uint8_t> scene(120, 160);
+  cv::RNG random(5);
+  random.fill(scene, cv::RNG::UNIFORM, 0, 256);
+  const cv::Mat_<std::uint8_t> now = scene(cv::Rect(26, 33, 40, 30));
+  PhaseCorrelation correlation;
+  correlation.set_reference(scene(cv::Rect(20, 30, 40, 30)));
+  const cv::Point2d shift = correlation.shift_to(now);
+  (void)correlation.shift_to(cv::Mat_<std::uint8_t>(30, 40, std::uint8_t{0}));
+  EXPECT_EQ(correlation.shift_to(now), shift);
 }
 
 TEST(Turn, ShiftsAreRightInImagesOfOddSize) {  // where OpenCV's are half a pixel off
@@ -56,7 +69,7 @@ TEST(Turn, ShiftsAreRightInImagesOfOddSize) {  // where OpenCV's are half a pixe
   cv::RNG random(5);
   random.fill(scene, cv::RNG::UNIFORM, 0, 256);
   PhaseCorrelation correlation;
-  correlation.shift_to(scene(cv::Rect(20, 30, 75, 45)));
+  correlation.set_reference(scene(cv::Rect(20, 30, 75, 45)));
   const cv::Point2d shift = correlation.shift_to(scene(cv::Rect(17, 32, 75, 45)));
   EXPECT_LT(cv::norm(shift - cv::Point2d(3, -2)), 0.3);
 }

@@ -2,8 +2,10 @@
 // What tracking takes from the heap. A program of its own, because its malloc counts.
 #include "allocation/counted_malloc.hpp"
 #include "edvo/align/image_shift.hpp"
-#include "edvo/odometry/edge_mask.hpp"
+#include "edvo/features/corners.hpp"
+#include "edvo/odometry/moving_object_guard.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "support/rendered_sequence.hpp"
 #include "support/synthetic_plane.hpp"
 
 #include <gtest/gtest.h>
@@ -44,15 +46,15 @@ std::int64_t taken_between_keyframes(const Config& config, int frames) {
   for (int i = 0; i < frames; ++i) {
     const PreparedImage prepared = odometry.prepare(image(i));
     FrameResult report;
-    const std::int64_t of_this = taken_by([&] { report = odometry.process_prepared(prepared); });
+    const std::int64_t of_this = taken_by([&] { report = odometry.process(prepared); });
     EXPECT_NE(report.status, FrameStatus::kLost) << i;
     const bool doubles = std::has_single_bit(static_cast<unsigned>(i));
-    if (i >= kWarm && !after_keyframe && !report.keyframe && !doubles) {
+    if (i >= kWarm && !after_keyframe && !report.keyframe_reason && !doubles) {
       EXPECT_EQ(of_this, 0) << "frame " << i;
       taken += of_this;
       ++counted;
     }
-    after_keyframe = report.keyframe.has_value();
+    after_keyframe = report.keyframe_reason.has_value();
   }
   EXPECT_GE(counted, frames / 3);
   return taken;
@@ -67,12 +69,13 @@ TEST(Allocation, IsCountedThroughEveryDoor) {
 TEST(Allocation, TrackingWithRoomToWorkTakesNothing) {
   const Config config = preset(Method::kCannyCorner);
   const Undistortion undistortion = make_undistortion({test::kSmallCamera, {}});
-  const Frame key = make_frame(image(0), undistortion, config.frame);
-  const Frame current = make_frame(image(2), undistortion, config.frame);
+  const Frame key = make_frame(image(0), undistortion);
+  const Frame current = make_frame(image(2), undistortion);
   Reference reference = make_reference(
       key,
       select_pixels(
-          key, with_corner_discs(edge_mask(key, undistortion, nullptr, config), config.corners),
+          key,
+          with_corner_discs(canny_edges(key.levels.front().gray, config.canny), config.corners),
           undistortion.valid, config.selection),
       {});
   reference.surface = make_surface(key.depth, undistortion.camera, config.tracking.surface_cell,
@@ -92,18 +95,35 @@ TEST(Allocation, CorrelationTakesNothingAfterTwoImages) {
   cv::Mat_<std::uint8_t> noise(30, 40);
   cv::randu(noise, 0, 256);
   PhaseCorrelation correlation;
-  for (int i = 0; i < 2; ++i) correlation.shift_to(noise);
-  EXPECT_EQ(taken_by([&] { correlation.shift_to(noise); }), 0);
+  const auto correlate = [&] {
+    (void)correlation.shift_to(noise);
+    correlation.set_reference(noise);
+  };
+  for (int i = 0; i < 2; ++i) correlate();
+  EXPECT_EQ(taken_by(correlate), 0);
 }
 
 TEST(Allocation, FramesBetweenKeyframesTakeNothing) {
   EXPECT_EQ(taken_between_keyframes(preset(Method::kCannyCorner), kFrames), 0);
 }
 
-TEST(Allocation, FramesLookedAtTwiceTakeNothing) {
-  Config config = preset(Method::kCannyCorner);
-  config.coarse.second_look = 0;  // always
-  EXPECT_EQ(taken_between_keyframes(config, 12), 0);
+TEST(Allocation, TheMovingObjectGuardTakesNothing) {
+  const Config config = preset(Method::kCannyCorner);
+  const auto sequence = test::make_sequence({.frames = 2, .sensor = {}}, test::kQvgaCamera);
+  const Undistortion undistortion = make_undistortion(sequence.camera);
+  const Frame key = make_frame(synth::make_frame(sequence, 0), undistortion);
+  const Frame frame = make_frame(synth::make_frame(sequence, 1), undistortion);
+  const Reference reference = make_reference(key, grid_pixels(key, 5, config.selection), {});
+  const MovingObjectGuard guard(config.tracking);
+  AlignScratch scratch;
+  const AlignResult first = align(reference, frame, {}, config.tracking, scratch);
+  const auto look_again = [&] {
+    TrackingState state{.usual_sigma = 0, .moving_object_frames = 5};  // looks again for sure
+    (void)guard.check(first, reference, frame, SE3{}, {}, state, scratch);
+    EXPECT_NE(state.moving_object_frames, 5);
+  };
+  look_again();
+  EXPECT_EQ(taken_by(look_again), 0);
 }
 
 }  // namespace

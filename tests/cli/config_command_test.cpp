@@ -28,16 +28,16 @@ TEST(ConfigCommand, EveryMethodHasALegalPreset) {
 
 TEST(ConfigCommand, AppliesTheFileAndThenEachSetting) {
   const auto result = run_edvo(
-      "config --config /dev/stdin --set frame.levels=3 <<'END'\n"
-      "[frame]\nlevels = 2\nEND");
+      "config --config /dev/stdin --set window.keyframes=3 <<'END'\n"
+      "[window]\nkeyframes = 2\nEND");
   EXPECT_EQ(result.status, 0);
-  EXPECT_THAT(result.output, HasSubstr("\nlevels = 3\n"));
+  EXPECT_THAT(result.output, HasSubstr("\nkeyframes = 3\n"));
 }
 
 TEST(ConfigCommand, RefusesWithTheExitStatusOfTheError) {
-  const auto key = run_edvo("config --set frame.levles=3 2>&1");
+  const auto key = run_edvo("config --set window.keyframse=3 2>&1");
   EXPECT_EQ(key.status, static_cast<int>(ErrorCode::kConfig));
-  EXPECT_THAT(key.output, HasSubstr("did you mean 'frame.levels'?"));
+  EXPECT_THAT(key.output, HasSubstr("did you mean 'window.keyframes'?"));
 
   const auto method = run_edvo("config --method cany+corner 2>&1");
   EXPECT_EQ(method.status, static_cast<int>(ErrorCode::kUsage));

@@ -185,7 +185,8 @@ TEST_F(RunCommand, RefusesBadInputWithItsOwnStatus) {
   EXPECT_EQ(status_of("/no/such/folder"), code(ErrorCode::kInput));
   EXPECT_EQ(status_of(folder_.path().string()), code(ErrorCode::kInput));
   write_sliding_sequence(sequence());
-  EXPECT_EQ(status_of(sequence().string() + " --set frame.levels=0"), code(ErrorCode::kConfig));
+  EXPECT_EQ(status_of(sequence().string() + " --set window.keyframes=-1"),
+            code(ErrorCode::kConfig));
   EXPECT_EQ(status_of(sequence().string() + " --camera /no/such.yaml"),
             code(ErrorCode::kCalibration));
   EXPECT_EQ(status_of(sequence().string() + " --threads 0"), code(ErrorCode::kUsage));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/features/canny.hpp"
 #include "edvo/features/corners.hpp"
-#include "edvo/network/edge_network.hpp"
+#include "edvo/features/edge_strength.hpp"
 
 #include <gtest/gtest.h>
 #include <algorithm>
@@ -136,7 +136,7 @@ struct TwoSquares {
 
 TEST(NetworkEdges, AreWhereTheNetworkSeesThemAndTheImageSteps) {
   const TwoSquares squares;
-  const auto edges = network_edges(squares.strength, squares.gray, {});
+  const auto edges = edges_of_strength(squares.strength, squares.gray, {});
   EXPECT_EQ(cv::countNonZero(edges(squares.right)), 0);
   EXPECT_NEAR(cv::countNonZero(edges(squares.left)), 4 * 40, 20);
   cv::Mat_<std::uint8_t> outline(edges.size(), std::uint8_t{0});  // both sides of the step
@@ -148,14 +148,14 @@ TEST(NetworkEdges, AreWhereTheNetworkSeesThemAndTheImageSteps) {
 TEST(NetworkEdges, WithoutInfluenceAreCannys) {
   const TwoSquares squares;
   const auto edges =
-      network_edges(squares.strength, squares.gray, {.edge_exponent = 0, .crests = {}});
+      edges_of_strength(squares.strength, squares.gray, {.edge_exponent = 0, .canny = {}});
   EXPECT_EQ(cv::norm(edges, canny_edges(squares.gray, {}), cv::NORM_INF), 0);
 }
 
 TEST(NetworkEdges, WeakStrengthOnANoisyWallMakesNone) {
   const cv::Mat_<std::uint8_t> wall = noisy_wall();
   const cv::Mat_<float> strength(wall.size(), 0.03F);
-  EXPECT_EQ(cv::countNonZero(network_edges(strength, wall, {})), 0);
+  EXPECT_EQ(cv::countNonZero(edges_of_strength(strength, wall, {})), 0);
 }
 
 }  // namespace

@@ -17,16 +17,15 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // Counts how often it was asked; its answer depends on the image.
-class CountingDetector final : public EdgeStrength {
+class CountingStrength final : public EdgeStrength {
  public:
-  explicit CountingDetector(int& count) : count_(count) {}
+  explicit CountingStrength(int& count) : count_(count) {}
   [[nodiscard]] cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr) const override {
     ++count_;
-    cv::Mat_<float> strength(bgr.size());
+    cv::Mat_<float> map(bgr.size());
     for (int y = 0; y < bgr.rows; ++y)
-      for (int x = 0; x < bgr.cols; ++x)
-        strength(y, x) = static_cast<float>(bgr(y, x)[0] + x) / 1001.F;
-    return strength;
+      for (int x = 0; x < bgr.cols; ++x) map(y, x) = static_cast<float>(bgr(y, x)[0] + x) / 1001.F;
+    return map;
   }
 
  private:
@@ -37,14 +36,14 @@ class CachedStrength : public testing::Test {
  protected:
   cv::Mat_<float> strength(const cv::Mat_<cv::Vec3b>& bgr, const std::string& fingerprint = "one") {
     const auto warn = [this](const std::string& warning) { warnings_.push_back(warning); };
-    return make_cached_strength(std::make_unique<CountingDetector>(asked_), fingerprint,
+    return make_cached_strength(std::make_unique<CountingStrength>(asked_), fingerprint,
                                 {.folder = folder_, .warn = warn})
         ->strength(bgr);
   }
   [[nodiscard]] fs::path entry() const { return fs::directory_iterator(folder_)->path(); }
-  [[nodiscard]] bool is_right(const cv::Mat_<float>& strength) const {
+  [[nodiscard]] bool is_right(const cv::Mat_<float>& map) const {
     int ignored = 0;
-    return cv::norm(strength, CountingDetector(ignored).detect(image_), cv::NORM_INF) == 0;
+    return cv::norm(map, CountingStrength(ignored).strength(image_), cv::NORM_INF) == 0;
   }
 
   test::TemporaryFolder temporary_;
@@ -55,28 +54,28 @@ class CachedStrength : public testing::Test {
 };
 
 TEST_F(CachedStrength, AsksOnceForEachImageAndNetwork) {
-  EXPECT_TRUE(is_right(detect(image_)));
-  EXPECT_TRUE(is_right(detect(image_)));
+  EXPECT_TRUE(is_right(strength(image_)));
+  EXPECT_TRUE(is_right(strength(image_)));
   EXPECT_EQ(asked_, 1);
-  (void)detect(image_, "two");
+  (void)strength(image_, "two");
   EXPECT_EQ(asked_, 2);
   image_(3, 5)[2] ^= 1;
-  (void)detect(image_);
+  (void)strength(image_);
   EXPECT_EQ(asked_, 3);
-  (void)detect(image_.reshape(3, image_.cols));
+  (void)strength(image_.reshape(3, image_.cols));
   EXPECT_EQ(asked_, 4);
   EXPECT_TRUE(warnings_.empty());
 }
 
 TEST_F(CachedStrength, KnowsAPartOfALargerImage) {
   const cv::Mat_<cv::Vec3b> part = image_(cv::Rect(10, 10, 30, 20));
-  (void)detect(part);
-  (void)detect(part.clone());
+  (void)strength(part);
+  (void)strength(part.clone());
   EXPECT_EQ(asked_, 1);
 }
 
 TEST_F(CachedStrength, ComputesAgainWhatIsDamaged) {
-  (void)detect(image_);
+  (void)strength(image_);
   const fs::path file = entry();
   const auto size = fs::file_size(file);
   for (const std::string& damage :
@@ -89,18 +88,18 @@ TEST_F(CachedStrength, ComputesAgainWhatIsDamaged) {
     if (damage == "text") std::ofstream(file, std::ios::trunc) << "no edge map";
     asked_ = 0;
     warnings_.clear();
-    EXPECT_TRUE(is_right(detect(image_))) << damage;
+    EXPECT_TRUE(is_right(strength(image_))) << damage;
     EXPECT_EQ(asked_, 1) << damage;
     EXPECT_THAT(warnings_,
                 ElementsAre(HasSubstr(file.string() + ": a damaged edge map; computed again")));
-    EXPECT_TRUE(is_right(detect(image_))) << damage;
+    EXPECT_TRUE(is_right(strength(image_))) << damage;
     EXPECT_EQ(asked_, 1) << damage;
   }
 }
 
 TEST_F(CachedStrength, GoesOnWhereItCannotWrite) {
   folder_ = "/proc/nowhere";
-  EXPECT_TRUE(is_right(detect(image_)));
+  EXPECT_TRUE(is_right(strength(image_)));
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("/proc/nowhere")));
 }
 

@@ -31,7 +31,7 @@ std::string bytes_of(float value) {
 
 testing::AssertionResult is_refused(const Model& model, std::initializer_list<std::string> parts,
                                     cv::Size size = kSize) {
-  return fails_with(ErrorCode::kModel, parts, [&] { (void)make_network_detector(model, size); });
+  return fails_with(ErrorCode::kModel, parts, [&] { (void)make_network_strength(model, size); });
 }
 
 bool same_bits(const cv::Mat_<float>& a, const cv::Mat_<float>& b) {
@@ -45,8 +45,8 @@ class Network : public testing::Test {
 };
 
 TEST_F(Network, FindsTheSidesOfASquareAndNothingElse) {
-  const auto detector = make_network_detector(model_, kSize);
-  const cv::Mat_<float> strength = detector->detect(bright_square());
+  const auto detector = make_network_strength(model_, kSize);
+  const cv::Mat_<float> strength = detector->strength(bright_square());
   ASSERT_EQ(strength.size(), kSize);
   EXPECT_GT(strength(25, 20), 0.99F);
   EXPECT_GT(strength(10, 40), 0.99F);
@@ -61,29 +61,29 @@ TEST_F(Network, FindsTheSidesOfASquareAndNothingElse) {
 TEST_F(Network, GivesTheSameBitsTwiceAndWithAnyNumberOfThreads) {
   const int threads = cv::getNumThreads();
   const cv::Mat_<cv::Vec3b> image = bright_square({640, 480});
-  const cv::Mat_<float> first = make_network_detector(model_, image.size())->detect(image);
-  const auto detector = make_network_detector(model_, image.size());
+  const cv::Mat_<float> first = make_network_strength(model_, image.size())->strength(image);
+  const auto detector = make_network_strength(model_, image.size());
   for (const int count : {1, 2}) {
     cv::setNumThreads(count);
-    EXPECT_TRUE(same_bits(detector->detect(image), first)) << count << " threads";
+    EXPECT_TRUE(same_bits(detector->strength(image), first)) << count << " threads";
   }
   cv::setNumThreads(threads);
 }
 
 TEST_F(Network, KeepsTheImageUnderPadding) {
   const cv::Mat_<cv::Vec3b> image = bright_square({90, 61});
-  const cv::Mat_<float> exact = make_network_detector(model_, image.size())->detect(image);
+  const cv::Mat_<float> exact = make_network_strength(model_, image.size())->strength(image);
   for (const Padding padding : {Padding::kReflect, Padding::kReplicate}) {
     model_.description.input.multiple_of = 16;
     model_.description.input.padding = padding;
-    const cv::Mat_<float> padded = make_network_detector(model_, image.size())->detect(image);
+    const cv::Mat_<float> padded = make_network_strength(model_, image.size())->strength(image);
     EXPECT_LT(cv::norm(padded, exact, cv::NORM_INF), 1e-4);
   }
 }
 
 TEST_F(Network, AnswersInTheSizeOfTheImageWhateverItsOwn) {
   const auto finds_the_square = [&] {
-    const auto strength = make_network_detector(model_, kSize)->detect(bright_square());
+    const auto strength = make_network_strength(model_, kSize)->strength(bright_square());
     EXPECT_EQ(strength.size(), kSize);
     EXPECT_GT(strength(25, 20), 0.5F);
     EXPECT_LT(strength(25, 40), 0.1F);
@@ -101,19 +101,19 @@ TEST_F(Network, OrdersAndShiftsChannelsAsDescribed) {
   NetworkInput& input = model_.description.input;
   cv::Mat_<cv::Vec3b> swapped;
   cv::cvtColor(bright_square(), swapped, cv::COLOR_BGR2RGB);
-  const cv::Mat_<float> expected = make_network_detector(model_, kSize)->detect(bright_square());
+  const cv::Mat_<float> expected = make_network_strength(model_, kSize)->strength(bright_square());
   input.channels = ChannelOrder::kRgb;
-  EXPECT_TRUE(same_bits(make_network_detector(model_, kSize)->detect(swapped), expected));
+  EXPECT_TRUE(same_bits(make_network_strength(model_, kSize)->strength(swapped), expected));
 
   input.mean = {10, 20, 30};  // a constant has no edges
-  const auto shifted = make_network_detector(model_, kSize)->detect(swapped);
+  const auto shifted = make_network_strength(model_, kSize)->strength(swapped);
   EXPECT_LT(cv::norm(shifted, expected, cv::NORM_INF), 1e-3);
 }
 
 TEST_F(Network, ChoosesItsOutputByNameOrByPlaceInTheFile) {
   EXPECT_EQ(onnx_outputs(model_.weights), (std::vector<std::string>{"edges", "coarse"}));
   model_.description.output.name = "edges";
-  EXPECT_TRUE(make_network_detector(model_, kSize));
+  EXPECT_TRUE(make_network_strength(model_, kSize));
   model_.description.output.name = "edgse";
   EXPECT_TRUE(is_refused(model_, {"tiny_edges.onnx", "did you mean 'edges'?", "edges, coarse"}));
   model_.description.output = {.name = "", .index = 2};
@@ -153,9 +153,9 @@ TEST_F(Network, RefusesWeightsThatAreNotFinite) {
 TEST_F(Network, RefusesAnOutputThatIsNotFinite) {
   model_.description.input.scale = 1e6;
   model_.weights = patched(model_.weights, bytes_of(kLumaOfGreen), bytes_of(3e38F));
-  const auto detector = make_network_detector(model_, kSize);  // black times anything is fine
+  const auto detector = make_network_strength(model_, kSize);  // black times anything is fine
   EXPECT_TRUE(fails_with(ErrorCode::kModel, {"output 'edges' is not finite everywhere"},
-                         [&] { (void)detector->detect(bright_square()); }));
+                         [&] { (void)detector->strength(bright_square()); }));
 }
 
 TEST_F(Network, RefusesAnOutputOfAnotherSize) {
@@ -172,14 +172,14 @@ TEST_F(Network, RefusesAnOutputThatIsNoProbability) {
 TEST_F(Network, RefusesAnImageSmallerThanItsStride) {
   model_.description.input.multiple_of = 32;
   EXPECT_TRUE(is_refused(model_, {"an image of 96 x 20 px is too small", "32 px"}, {96, 20}));
-  EXPECT_TRUE(make_network_detector(model_, {33, 32}));
+  EXPECT_TRUE(make_network_strength(model_, {33, 32}));
 }
 
 TEST_F(Network, IsEdvosOwnWhereNoneIsNamed) {
   // A dark square on a light ground: its border is an edge, its middle is none.
   cv::Mat_<cv::Vec3b> image(96, 128, cv::Vec3b(200, 200, 200));
   image(cv::Rect(40, 30, 40, 40)) = cv::Vec3b(60, 60, 60);
-  const cv::Mat_<float> strength = open_network({}, image.size())->detect(image);
+  const cv::Mat_<float> strength = open_network({}, image.size())->strength(image);
   float border = 0;
   for (int x = 38; x <= 41; ++x) border = std::max(border, strength(50, x));
   EXPECT_GT(border, 0.5F);

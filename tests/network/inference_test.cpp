@@ -39,7 +39,7 @@ cv::Mat_<cv::Vec3b> image_of(cv::Size size) {
 
 cv::Mat_<float> answer(const Model& model, const cv::Mat_<cv::Vec3b>& image,
                        InferenceEngine engine) {
-  return make_network_detector(model, image.size(), engine)->detect(image);
+  return make_network_strength(model, image.size(), engine)->strength(image);
 }
 
 TEST(Inference, GivesTheSameEdgesWithBothEngines) {
@@ -162,13 +162,13 @@ TEST(Inference, GivesTheSameBitsTwiceAndWithAnyNumberOfThreads) {
 }
 
 TEST(Inference, FollowsTheImageToAnotherSizeAndBack) {
-  const auto detector = make_network_detector(own_model(), {96, 64}, InferenceEngine::kOneDnn);
+  const auto detector = make_network_strength(own_model(), {96, 64}, InferenceEngine::kOneDnn);
   const cv::Mat_<cv::Vec3b> small = image_of({96, 64}), large = image_of({128, 120});
-  const cv::Mat_<float> first = detector->detect(small);
-  EXPECT_EQ(cv::norm(detector->detect(large), answer(own_model(), large, InferenceEngine::kOneDnn),
-                     cv::NORM_INF),
+  const cv::Mat_<float> first = detector->strength(small);
+  EXPECT_EQ(cv::norm(detector->strength(large),
+                     answer(own_model(), large, InferenceEngine::kOneDnn), cv::NORM_INF),
             0);
-  EXPECT_EQ(cv::norm(detector->detect(small), first, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(detector->strength(small), first, cv::NORM_INF), 0);
 }
 
 TEST(Inference, GoesToOpenCvWhereOneDnnLacksAnOperator) {

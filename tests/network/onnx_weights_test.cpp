@@ -144,8 +144,8 @@ TEST(PlainWeights, TakesOutIdentities) {
   ASSERT_TRUE(plain);
   EXPECT_THAT(*plain, Not(HasSubstr("Identity")));
   const cv::Mat_<cv::Vec3b> image = test::bright_square();
-  EXPECT_EQ(cv::norm(make_network_detector(model, image.size())->detect(image),
-                     make_network_detector(test::tiny_model(), image.size())->detect(image)),
+  EXPECT_EQ(cv::norm(make_network_strength(model, image.size())->strength(image),
+                     make_network_strength(test::tiny_model(), image.size())->strength(image)),
             0);
 }
 
@@ -159,13 +159,13 @@ TEST(PlainWeights, RefusesATensorOfAnotherSizeThanItSays) {
   EXPECT_TRUE(
       fails_with(ErrorCode::kModel,
                  {"tiny_edges.onnx: tensor 'more': it has the shape (1, 1000), but 4 bytes"}, [&] {
-                   (void)make_network_detector(model, {64, 64});
+                   (void)make_network_strength(model, {64, 64});
                  }));
   message = encoded(floats({0}, {}), "far");
   protobuf::append_varint(message, kDataLocation, 1);
   model.weights = with_more(good, kInitializer, {message});
   EXPECT_TRUE(fails_with(ErrorCode::kModel, {"tensor 'far': its data are in another file"}, [&] {
-    (void)make_network_detector(model, {64, 64});
+    (void)make_network_strength(model, {64, 64});
   }));
 }
 
@@ -222,16 +222,16 @@ TEST(DexiNed, AnswersAsTorchDoesWithItsWeightsInBlocks) {
   const Model model = read_model(EDVO_SOURCE_DIR "/tests/data/narrow_dexined.toml");
   EXPECT_THAT(model.weights, HasSubstr("block_size"));
   const cv::Mat_<cv::Vec3b> image = example_image();
-  const cv::Mat_<float> answer = make_network_detector(model, image.size())->detect(image);
+  const cv::Mat_<float> answer = make_network_strength(model, image.size())->strength(image);
   EXPECT_LT(cv::norm(answer, answer_of_torch(image.size()), cv::NORM_INF), 1e-4);
 }
 
 TEST(DexiNed, RunsInSizesThatAreNoMultipleOfItsStride) {
   const Model model = read_model(EDVO_SOURCE_DIR "/tests/data/narrow_dexined.toml");
   for (const cv::Size size : {cv::Size(81, 47), cv::Size(16, 16), cv::Size(33, 100)})
-    EXPECT_EQ(make_network_detector(model, size)->detect({size, cv::Vec3b()}).size(), size);
+    EXPECT_EQ(make_network_strength(model, size)->strength({size, cv::Vec3b()}).size(), size);
   EXPECT_TRUE(fails_with(ErrorCode::kModel, {"too small", "16 px"}, [&] {
-    (void)make_network_detector(model, {80, 15});
+    (void)make_network_strength(model, {80, 15});
   }));
 }
 
@@ -241,7 +241,7 @@ TEST(DexiNed, IsRefusedWhereverItsFileIsCutOff) {
   for (std::size_t length = 1; length < whole.size(); length += 1999) {
     model.weights = whole.substr(0, length);
     EXPECT_TRUE(fails_with(ErrorCode::kModel, {"narrow_dexined.onnx: "}, [&] {
-      (void)make_network_detector(model, {32, 32});
+      (void)make_network_strength(model, {32, 32});
     }));
   }
 }

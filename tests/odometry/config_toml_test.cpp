@@ -104,7 +104,7 @@ TEST(ConfigToml, OneFieldReadIsOneFieldChanged) {
 
 TEST(ConfigToml, SaysHelpAndRangeAboveEachField) {
   const std::string text = to_toml(Config{});
-  EXPECT_THAT(text, HasSubstr("; allowed: 1 to 8\nlevels = "));
+  EXPECT_THAT(text, HasSubstr("; allowed: 0 to 50\nkeyframes = "));
   std::size_t fields = 0;
   std::size_t comments = 0;
   for_each_field(kDefaults, [&](auto&&...) { ++fields; });
@@ -176,23 +176,31 @@ TEST(ConfigToml, TakesWholeNumbersWhereAFractionIsWanted) {
 }
 
 TEST(ConfigToml, NamesTheNearestKeyToAnUnknownOne) {
-  EXPECT_EQ(message_of_text("\n[frame]\nlevel = 3"),
-            "my.toml:3: unknown key 'frame.level', did you mean 'frame.levels'?");
-  EXPECT_EQ(message_of_text("[fram]\nlevels = 3"),
-            "my.toml:2: unknown key 'fram.levels', did you mean 'frame.levels'?");
+  EXPECT_EQ(message_of_text("\n[window]\nkeyframe = 3"),
+            "my.toml:3: unknown key 'window.keyframe', did you mean 'window.keyframes'?");
+  EXPECT_EQ(message_of_text("[windo]\nkeyframes = 3"),
+            "my.toml:2: unknown key 'windo.keyframes', did you mean 'window.keyframes'?");
   EXPECT_EQ(message_of_text("[nowhere]\nsomething = 3"),
             "my.toml:2: unknown key 'nowhere.something'");
   EXPECT_THAT(message_of_text("[nowhere]"), HasSubstr("my.toml:1: unknown key 'nowhere'"));
-  EXPECT_THAT(message_of_text("frame = 3"), HasSubstr("my.toml:1: unknown key 'frame'"));
+  EXPECT_THAT(message_of_text("window = 3"), HasSubstr("my.toml:1: unknown key 'window'"));
+}
+
+TEST(ConfigToml, SaysWhatBecameOfKeysOfEarlierVersions) {
+  EXPECT_EQ(message_of_text("[window]\nanchors = 3"),
+            "my.toml:2: 'window.anchors' is called 'window.fixed_keyframes' now");
+  EXPECT_THAT(message_of_text("[frame]\nlevels = 3"),
+              HasSubstr("my.toml:2: 'frame.levels' is no option any more"));
 }
 
 TEST(ConfigToml, AFieldWithoutItsGroupIsUnknownButNamed) {
-  EXPECT_THAT(message_of_text("levels = 3"), HasSubstr("unknown key 'levels', did you mean '"));
+  EXPECT_THAT(message_of_text("max_points = 3"),
+              HasSubstr("unknown key 'max_points', did you mean '"));
 }
 
 TEST(ConfigToml, RefusesTextThatIsNotToml) {
-  EXPECT_THAT(message_of_text("[frame]\nlevels 3"), HasSubstr("my.toml:2: not valid TOML: "));
-  EXPECT_THAT(message_of_text("frame.levels = 3\nframe.levels = 4"),
+  EXPECT_THAT(message_of_text("[window]\nkeyframes 3"), HasSubstr("my.toml:2: not valid TOML: "));
+  EXPECT_THAT(message_of_text("window.keyframes = 3\nwindow.keyframes = 4"),
               HasSubstr("my.toml:2: not valid TOML: "));
 }
 
@@ -216,15 +224,16 @@ TEST(SetOption, TakesStringsAndEnumsWithOrWithoutQuotes) {
 
 TEST(SetOption, RefusesWhatIsNotOneAssignmentToAKnownKey) {
   Config config;
-  EXPECT_EQ(message_of([&] { set_option(config, "frame.levels"); }),
-            "'frame.levels': expected group.field=value");
-  EXPECT_EQ(message_of([&] { set_option(config, "frame.levles=3"); }),
-            "unknown key 'frame.levles', did you mean 'frame.levels'?");
-  EXPECT_THAT(message_of([&] { set_option(config, "frame.levels="); }), HasSubstr("frame.levels"));
-  EXPECT_THAT(message_of([&] { set_option(config, "frame.levels=3\nx=4"); }),
-              HasSubstr("frame.levels"));
-  EXPECT_THAT(message_of([&] { set_option(config, "frame.levels=3.5"); }),
-              HasSubstr("frame.levels = 3.5: expected a whole number, allowed: 1 to 8"));
+  EXPECT_EQ(message_of([&] { set_option(config, "window.keyframes"); }),
+            "'window.keyframes': expected group.field=value");
+  EXPECT_EQ(message_of([&] { set_option(config, "window.keyframse=3"); }),
+            "unknown key 'window.keyframse', did you mean 'window.keyframes'?");
+  EXPECT_THAT(message_of([&] { set_option(config, "window.keyframes="); }),
+              HasSubstr("window.keyframes"));
+  EXPECT_THAT(message_of([&] { set_option(config, "window.keyframes=3\nx=4"); }),
+              HasSubstr("window.keyframes"));
+  EXPECT_THAT(message_of([&] { set_option(config, "window.keyframes=3.5"); }),
+              HasSubstr("window.keyframes = 3.5: expected a whole number, allowed: 0 to 50"));
 }
 
 TEST(CheckConfig, AcceptsTheDefaults) {
@@ -234,8 +243,9 @@ TEST(CheckConfig, AcceptsTheDefaults) {
 
 TEST(CheckConfig, RefusesValuesThatWereSetInCode) {
   Config config;
-  config.frame.levels = 99;
-  EXPECT_EQ(message_of([&] { check(config); }), "frame.levels = 99: out of range, allowed: 1 to 8");
+  config.window.keyframes = 99;
+  EXPECT_EQ(message_of([&] { check(config); }),
+            "window.keyframes = 99: out of range, allowed: 0 to 50");
   for_each_field(config, [](const auto&, const auto&, auto& field, auto) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(field)>, double>) {
       field = std::nan("");

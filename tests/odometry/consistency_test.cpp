@@ -4,8 +4,8 @@
 #include "edvo/align/align.hpp"
 #include "edvo/align/surface.hpp"
 #include "edvo/core/se3.hpp"
+#include "edvo/features/corners.hpp"
 #include "edvo/odometry/config.hpp"
-#include "edvo/odometry/edge_mask.hpp"
 #include "support/rendered_sequence.hpp"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ constexpr double kDegreesOfFreedom = 6;
 
 Reference reference_of(const Frame& frame, const Undistortion& undistortion, const Config& config) {
   const cv::Mat_<std::uint8_t> mask =
-      with_corner_discs(edge_mask(frame, undistortion, nullptr, config), config.corners);
+      with_corner_discs(canny_edges(frame.levels.front().gray, config.canny), config.corners);
   Reference reference =
       make_reference(frame, select_pixels(frame, mask, undistortion.valid, config.selection),
                      {.gradient_weight_scale = config.tracking.gradient_weight_scale,
@@ -54,7 +54,7 @@ double normalized_error(const Setting& setting) {
                            .sensor = {}},
                           camera);
   const auto frame_at = [&](int i) {
-    return make_frame(synth::make_frame(sequence, i), undistortion, config.frame);
+    return make_frame(synth::make_frame(sequence, i), undistortion);
   };
   double sum = 0;
   int count = 0;

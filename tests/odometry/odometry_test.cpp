@@ -51,7 +51,7 @@ TEST(Odometry, FollowsACameraAlongAPlane) {
     EXPECT_THAT(report.world_from_camera, NearPose(sideways(i), 4e-3)) << i;
   }
   EXPECT_EQ(odometry.trajectory().size(), 20U);
-  EXPECT_GE(odometry.keyframes().size(), 2U);
+  EXPECT_GE(odometry.keyframe_trajectory().size(), 2U);
 }
 
 // One view of a room, at different times.
@@ -69,16 +69,16 @@ RgbdImage still(int i, bool blurred) {
 TEST(Odometry, ABlurredKeyframeGivesWayToTheFirstSharpFrame) {
   Odometry odometry({test::kQvgaCamera, {}}, preset(Method::kCannyCorner));
   for (int i = 0; i < 6; ++i)
-    EXPECT_EQ(odometry.process(still(i, true)).keyframe.has_value(), i == 0) << i;
-  EXPECT_EQ(odometry.process(still(6, false)).keyframe, KeyframeReason::kSharper);
-  EXPECT_EQ(odometry.process(still(7, false)).keyframe, std::nullopt);
+    EXPECT_EQ(odometry.process(still(i, true)).keyframe_reason.has_value(), i == 0) << i;
+  EXPECT_EQ(odometry.process(still(6, false)).keyframe_reason, KeyframeReason::kSharper);
+  EXPECT_EQ(odometry.process(still(7, false)).keyframe_reason, std::nullopt);
 }
 
 TEST(Odometry, ASharpKeyframeStaysWhileFramesAreBlurred) {
   Odometry odometry({test::kQvgaCamera, {}}, preset(Method::kCannyCorner));
   for (int i = 0; i < 3; ++i) (void)odometry.process(still(i, false));
   for (int i = 3; i < 8; ++i)
-    EXPECT_EQ(odometry.process(still(i, true)).keyframe, std::nullopt) << i;
+    EXPECT_EQ(odometry.process(still(i, true)).keyframe_reason, std::nullopt) << i;
 }
 
 TEST(Odometry, KeyframesComeByPeriod) {
@@ -88,9 +88,9 @@ TEST(Odometry, KeyframesComeByPeriod) {
   for (int i = 0; i < 13; ++i) {
     const FrameResult report = odometry.process(view(i, {}));
     const bool expected = i % 4 == 0;
-    EXPECT_EQ(report.keyframe.has_value(), expected) << i;
+    EXPECT_EQ(report.keyframe_reason.has_value(), expected) << i;
     if (i > 0 && expected) {
-      EXPECT_EQ(report.keyframe, KeyframeReason::kPeriod);
+      EXPECT_EQ(report.keyframe_reason, KeyframeReason::kPeriod);
     }
   }
 }
@@ -102,7 +102,7 @@ TEST(Odometry, KeyframesComeByMotion) {
   Odometry odometry({kVgaCamera, {}}, config);
   int by_motion = 0;
   for (int i = 0; i < 10; ++i)
-    by_motion += odometry.process(view(i, sideways(i))).keyframe == KeyframeReason::kMotion;
+    by_motion += odometry.process(view(i, sideways(i))).keyframe_reason == KeyframeReason::kMotion;
   EXPECT_GE(by_motion, 2);
 }
 
@@ -182,8 +182,7 @@ TEST(Odometry, ImagesPreparedByAnotherThreadGiveTheSameBits) {
                     {.threads = 3});
   while (const auto next = prepared.next()) {
     const SE3 expected = direct.process(image(next->index)).world_from_camera;
-    const SE3 pose =
-        stepwise.process_prepared(std::get<PreparedImage>(next->content)).world_from_camera;
+    const SE3 pose = stepwise.process(std::get<PreparedImage>(next->content)).world_from_camera;
     EXPECT_EQ(pose.translation, expected.translation) << next->index;
     EXPECT_EQ(pose.rotation.coeffs(), expected.rotation.coeffs()) << next->index;
   }

@@ -28,9 +28,9 @@ inline FrameResult sample_report(std::int64_t index) {
       .levels = {{.level = 3, .iterations = 5, .points = 300, .cost = 1.5, .converged = true},
                  {.level = 0, .iterations = 7, .points = 8000, .cost = 0.9, .converged = false}}};
   if (index % 20 == 0)
-    report.keyframe = index == 0 ? KeyframeReason::kFirst : KeyframeReason::kPeriod;
+    report.keyframe_reason = index == 0 ? KeyframeReason::kFirst : KeyframeReason::kPeriod;
   report.milliseconds = {.frame = 3.1, .edges = 0, .corners = 0, .selection = 0, .tracking = 5};
-  if (report.keyframe) report.milliseconds.edges = 2;
+  if (report.keyframe_reason) report.milliseconds.edges = 2;
   report.milliseconds.tracking += 2 * std::sin(31 * angle) * std::cos(7.7 * angle);
   report.milliseconds.total =
       report.milliseconds.frame + report.milliseconds.edges + report.milliseconds.tracking;
@@ -72,14 +72,14 @@ inline SampleRun sample_run(std::int64_t frames) {
     run.log.frames.push_back({.index = i,
                               .stamp = report.stamp,
                               .status = report.status,
-                              .keyframe = report.keyframe,
+                              .keyframe = report.keyframe_reason,
                               .inlier_ratio = static_cast<float>(report.inlier_ratio),
                               .overlap = static_cast<float>(report.overlap),
                               .milliseconds = report.milliseconds});
     if (report.status == FrameStatus::kLost) continue;
     const StampedPose pose{report.stamp, report.world_from_camera};
     run.outcome.trajectory.push_back(pose);
-    if (report.keyframe) run.outcome.keyframes.push_back(pose);
+    if (report.keyframe_reason) run.outcome.keyframes.push_back(pose);
     const auto t = static_cast<double>(i);
     for (Curve* curve :
          {&errors.ate_curve, &errors.rpe_translation_curve, &errors.rpe_rotation_curve}) {

@@ -14,7 +14,7 @@ inline constexpr SyntheticPlane kPlane{.distance = 2.0};
 
 [[nodiscard]] inline Frame plane_frame(const SE3& world_from_camera) {
   return make_frame(render_plane(kPlane, kVgaCamera, world_from_camera),
-                    make_undistortion({kVgaCamera, {}}), {});
+                    make_undistortion({kVgaCamera, {}}));
 }
 
 [[nodiscard]] inline std::vector<SelectedPixel> grid_pixels(const Frame& frame, int stride) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/align/align.hpp"
 
-#include "edvo/align/edge_distance.hpp"
 #include "edvo/align/levenberg_marquardt.hpp"
 #include "edvo/align/warp.hpp"
 
@@ -40,11 +39,9 @@ class LevelProblem {
                const AlignOptions& options, AlignScratch& scratch, const PositionPrior& prior)
       : reference_(reference.levels[level]),
         surface_(reference.surface),
-        edge_points_(reference.edge_points),
         current_(frame.levels[level]),
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
-        edge_distance_(frame.edge_distance.empty() ? nullptr : &frame.edge_distance[level]),
         options_(options),
         scratch_(scratch),
         prior_(prior),
@@ -65,9 +62,12 @@ class LevelProblem {
   // residuals large, and then what we think of it holds.
   void set_depth_noise(const SE3& cur_from_ref) {
     const auto most = static_cast<float>(options_.depth_noise);
-    depth_noise_ = std::clamp(
-        surface_sigma(surface_, associations(cur_from_ref), cur_from_ref, scratch_.surface_errors),
-        kLeastDepthNoise * most, most);
+    depth_noise_ = std::clamp(depth_sigma(cur_from_ref), kLeastDepthNoise * most, most);
+  }
+
+  [[nodiscard]] float depth_sigma(const SE3& cur_from_ref) const {
+    return surface_sigma(surface_, associations(cur_from_ref), cur_from_ref,
+                         scratch_.surface_errors);
   }
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
@@ -115,11 +115,6 @@ class LevelProblem {
       add(sum_surface(surface_, associations(alignment.cur_from_ref), alignment.cur_from_ref,
                       depth_noise_, static_cast<float>(options_.depth_weight)),
           system);
-    if (options_.edge_distance > 0 && edge_distance_)
-      add(sum_edge_distance(edge_points_, current_.camera, *edge_distance_, alignment.cur_from_ref,
-                            static_cast<float>(options_.edge_sigma),
-                            static_cast<float>(options_.edge_distance)),
-          system);
     add_brightness_prior(alignment, system);
     if (prior_.sigma > 0) add_position_prior(alignment.cur_from_ref, system);
   }
@@ -159,11 +154,9 @@ class LevelProblem {
 
   const ReferenceLevel& reference_;
   const SurfacePoints& surface_;
-  const std::vector<Eigen::Vector3f>& edge_points_;
   const Level& current_;
   const Camera& full_camera_;
   const Depth& depth_;
-  const cv::Mat_<float>* edge_distance_;  // null where the frame has none
   const AlignOptions& options_;
   AlignScratch& scratch_;
   PositionPrior prior_;
@@ -255,6 +248,8 @@ AlignResult align(const Reference& reference, const Frame& frame, const Alignmen
     result.sigma = spread;
     result.correlation =
         correlation(points, result.alignment, all, kInlierSigmas * std::max(kLeastSpread, spread));
+    if (options.depth_weight > 0)
+      result.depth_sigma = static_cast<double>(problem.depth_sigma(result.alignment.cur_from_ref));
     int seen = 0, fitting = 0;
     for (const float r : all) {
       seen += std::isnan(r) ? 0 : 1;

@@ -13,6 +13,8 @@
 
 namespace edvo {
 
+// Those that visit_fields lists are options of the program; the others are constants that tests and
+// the coarse alignment vary: no sequence gains by another value (docs/experiments/options.md).
 struct AlignOptions {
   int finest_level = 0;
   int coarsest_level = 3;
@@ -24,10 +26,8 @@ struct AlignOptions {
   double step_tolerance = 0.05;  // [px]
   bool brightness = true;
   double depth_weight = 0.2;
-  double depth_noise = 0.003;  // [1 / m]
-  int surface_cell = 14;       // [px]
-  double edge_distance = 0;
-  double edge_sigma = 1.0;       // [px]
+  double depth_noise = 0.003;    // [1 / m]
+  int surface_cell = 14;         // [px]
   double min_overlap = 0.3;      // [0..1]
   double min_inliers = 0.4;      // [0..1]
   double min_correlation = 0.4;  // [-1..1]
@@ -45,29 +45,11 @@ void visit_fields(Self& self, Visitor&& visit) {
         "theta_H of Eq. 6, Tukey's cut-off or Student's degrees of freedom [sigmas]");
   visit("min_sigma", self.min_sigma, Range{0.01, 255},
         "least sigma of photometric residuals; above it the data decide [grey levels]");
-  visit("gradient_weight_scale", self.gradient_weight_scale, Range{1, 1e6},
-        "gradient at which a pixel's weight is halved [grey levels / px]");
-  visit("max_iterations", self.max_iterations, Range{1, 1000}, "linearizations per level");
-  visit("step_tolerance", self.step_tolerance, Range{1e-6, 1},
-        "steps still to come that move pixels by less end the finest level, thrice that the others "
-        "[px]");
   visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
   visit("depth_weight", self.depth_weight, Range{0, 1e3},
         "weight of the point-to-plane residuals of depth; 0 = off");
   visit("depth_noise", self.depth_noise, Range{1e-6, 1},
         "sigma of measured inverse depth, less where the residuals are smaller [1 / m]");
-  visit("surface_cell", self.surface_cell, Range{4, 200},
-        "side of the cells with one point-to-plane residual each [px]");
-  visit("edge_distance", self.edge_distance, Range{0, 1e3},
-        "weight of the distances of edge points to the frame's Canny edges; 0 = off");
-  visit("edge_sigma", self.edge_sigma, Range{0.01, 100},
-        "sigma of distances to edges [px of each level]");
-  visit("min_overlap", self.min_overlap, Range{0, 1},
-        "share of the keyframe's points in view, below which a frame is lost [0..1]");
-  visit("min_inliers", self.min_inliers, Range{0, 1},
-        "share of points in view that fit, below which a frame is lost [0..1]");
-  visit("min_correlation", self.min_correlation, Range{-1, 1},
-        "correlation of fitting points' intensities in both images, below which a frame is lost");
 }
 
 // One pyramid level of one frame's alignment.
@@ -91,6 +73,7 @@ struct AlignResult {
   double inlier_ratio = 0;  // [0..1]
   double correlation = 0;   // of fitting points' intensities in both images [-1..1]
   double sigma = 0;         // of the residuals at the finest level [grey levels]
+  double depth_sigma = 0;   // of the depth residuals, 0 = there are none [1 / m]
   LevelList levels;         // coarse to fine
 };
 

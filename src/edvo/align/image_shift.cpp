@@ -68,15 +68,24 @@ void PhaseCorrelation::start(cv::Size size) {
                                     CV_HAL_DFT_IS_CONTINUOUS | CV_HAL_DFT_INVERSE);
 }
 
-cv::Point2d PhaseCorrelation::shift_to(const cv::Mat_<std::uint8_t>& image) {
-  const bool first = image.size() != size_;
-  if (first) start(image.size());
+void PhaseCorrelation::transform(const cv::Mat_<std::uint8_t>& image) {
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x)
       padded_(y, x) = window_(y, x) * static_cast<float>(image(y, x));
-  std::swap(last_, spectrum_);
   forward_->apply(padded_.data, padded_.step, spectrum_.data, spectrum_.step);
-  if (first) return {};
+}
+
+void PhaseCorrelation::set_reference(const cv::Mat_<std::uint8_t>& image) {
+  if (image.size() != size_) start(image.size());
+  if (image.data != transformed_.data) transform(image);
+  std::swap(last_, spectrum_);
+  transformed_ = {};
+}
+
+cv::Point2d PhaseCorrelation::shift_to(const cv::Mat_<std::uint8_t>& image) {
+  if (image.size() != size_) return {};
+  transform(image);
+  transformed_ = image;
   cv::mulSpectrums(last_, spectrum_, product_, 0, true);
   write_magnitudes(product_, magnitudes_);
   cv::divSpectrums(product_, magnitudes_, whitened_, 0);

@@ -11,20 +11,25 @@
 
 namespace edvo {
 
-// Shifts from each of a row of small images to the next, by phase correlation (Kuglin, Hines 1975),
-// as cv::phaseCorrelate finds them. Keeps the last image's spectrum, the window and the plans of
-// the transforms, and takes nothing from the heap after the first image.
+// Shifts from one small image to others, by phase correlation (Kuglin, Hines 1975), as
+// cv::phaseCorrelate finds them. Keeps the spectrum of the first, the window and the plans of the
+// transforms, and takes nothing from the heap after the first image.
 class PhaseCorrelation {
  public:
-  // Where what was at (0, 0) is now [px], at most half of the image; none after the first image,
-  // one of another size, or where there is nothing to correlate.
+  // The image that shifts are measured from. Costs nothing right after shift_to(image).
+  void set_reference(const cv::Mat_<std::uint8_t>& image);
+
+  // Where what was at (0, 0) of the reference is now [px], at most half of the image; (0, 0)
+  // without a reference, for an image of another size, or where there is nothing to correlate.
   cv::Point2d shift_to(const cv::Mat_<std::uint8_t>& image);
 
  private:
   void start(cv::Size size);
+  void transform(const cv::Mat_<std::uint8_t>& image);  // to spectrum_
 
-  cv::Size size_;           // of the images
-  cv::Mat_<float> window_;  // of their size: else their borders correlate best
+  cv::Size size_;                       // of the images
+  cv::Mat_<std::uint8_t> transformed_;  // whose spectrum is in spectrum_
+  cv::Mat_<float> window_;              // of their size: else their borders correlate best
   // Of a size that transforms quickly, in the packed format of OpenCV's real transforms.
   cv::Mat_<float> padded_, spectrum_, last_, product_, magnitudes_, whitened_;
   cv::Mat_<float> correlation_;

@@ -92,7 +92,6 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
   Reference reference = std::move(recycled);
   reference.levels.resize(frame.levels.size());
   reference.surface.clear();
-  reference.edge_points.clear();
   const Camera& full = frame.levels.front().camera;
   for (std::size_t l = 0; l < frame.levels.size(); ++l) {
     const Level& source = frame.levels[l];

@@ -25,7 +25,6 @@ struct ReferenceLevel {
 struct Reference {
   std::vector<ReferenceLevel> levels;  // as in the frame: 0 = full size
   SurfacePoints surface;
-  std::vector<Eigen::Vector3f> edge_points;  // [m], for the edge-distance residual
 };
 
 struct ReferenceOptions {

@@ -9,6 +9,8 @@
 
 namespace edvo {
 
+// visit_fields lists the options of the program; the other fields are constants
+// (docs/experiments/options.md).
 struct CannyOptions {
   double edge_share = 0.20;  // [0..1]
   double low_ratio = 0.4;    // [0..1]
@@ -20,8 +22,6 @@ requires std::same_as<std::remove_const_t<Self>, CannyOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("edge_share", self.edge_share, Range{0.001, 1},
         "share of pixels whose gradient passes the high threshold, before thinning [0..1]");
-  visit("low_ratio", self.low_ratio, Range{0, 1}, "low threshold / high threshold [0..1]");
-  visit("blur_sigma", self.blur_sigma, Range{0, 10}, "Gaussian blur before the gradient [px]");
 }
 
 // gray: H x W. weights: H x W, [0..1], what the gradient is multiplied by; empty = 1. Returns H x

@@ -10,6 +10,8 @@
 
 namespace edvo {
 
+// visit_fields lists the options of the program; the other fields are constants
+// (docs/experiments/options.md).
 struct CornerOptions {
   bool enabled = true;
   double quality = 0.05;        // tau_c as a share of the strongest response [0..1]
@@ -28,15 +30,9 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("enabled", self.enabled, Range{}, "corner optimization on or off (ablation)");
   visit("quality", self.quality, Range{0, 1},
         "tau_c of eq. 3 as a share of the strongest response [0..1]");
-  visit("window_sigma", self.window_sigma, Range{0.3, 10}, "Gaussian window omega of eq. 2 [px]");
   visit("window", self.window, Range{4, 200}, "side and stride of the counting windows [px]");
   visit("crowded", self.crowded, Range{0, 10000},
         "a window with more corners is cleared and extracted again");
-  visit("budget", self.budget, Range{0, 10000}, "corners that a cleared window may get back");
-  visit("strict_quality", self.strict_quality, Range{0, 1},
-        "quality of the second extraction, as a share of the window's strongest response [0..1]");
-  visit("min_distance", self.min_distance, Range{0, 200},
-        "least distance between corners of the second extraction [px]");
   visit("disc_radius", self.disc_radius, Range{0, 50}, "radius of the disc around a corner [px]");
 }
 

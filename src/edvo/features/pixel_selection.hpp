@@ -11,6 +11,8 @@
 
 namespace edvo {
 
+// visit_fields lists the options of the program; the other fields are constants
+// (docs/experiments/options.md).
 struct SelectOptions {
   int max_points = 4000;
   int min_points = 50;
@@ -27,9 +29,6 @@ template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, SelectOptions>
 void visit_fields(Self& self, Visitor&& visit) {
   visit("max_points", self.max_points, Range{10, 1e7}, "points kept of a keyframe, spread evenly");
-  visit("min_points", self.min_points, Range{6, 1e6},
-        "a frame with fewer cannot become a keyframe");
-  visit("cell", self.cell, Range{1, 200}, "side of the cells that the points are spread over [px]");
   visit("min_gradient", self.min_gradient, Range{0, 255},
         "least gradient of a tracked pixel [grey levels / px]");
   visit("min_depth", self.min_depth, Range{0, 100}, "nearest depth that is trusted [m]");

@@ -30,15 +30,14 @@ double mean_squared_gradient(const cv::Mat_<std::uint8_t>& gray) {
 
 }  // namespace
 
-Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
-                 const FrameOptions& options) {
+Frame make_frame(const RgbdImage& image, const Undistortion& undistortion, int level_count) {
   cv::Mat gray;
   cv::cvtColor(image.bgr, gray, cv::COLOR_BGR2GRAY);
   Frame frame{.stamp = image.stamp,
               .levels = {{undistortion.camera, undistort_colour(undistortion, gray)}},
               .depth = Depth(undistortion, image.depth),
               .bgr = image.bgr};
-  for (int l = 1; l < options.levels; ++l) {
+  for (int l = 1; l < level_count; ++l) {
     const Level& finer = frame.levels.back();
     Level level{.camera = half_size(finer.camera), .gray = {}};
     cv::pyrDown(finer.gray, level.gray);

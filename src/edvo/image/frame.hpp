@@ -2,26 +2,15 @@
 // One image as the tracker reads it: undistorted, grey, at several sizes.
 #pragma once
 
-#include "edvo/core/fields.hpp"
 #include "edvo/image/depth.hpp"
 
-#include <concepts>
 #include <vector>
 
 namespace edvo {
 
 constexpr int kMostLevels = 8;
-
-struct FrameOptions {
-  int levels = 6;
-};
-
-template <typename Self, typename Visitor>
-requires std::same_as<std::remove_const_t<Self>, FrameOptions>
-void visit_fields(Self& self, Visitor&& visit) {
-  visit("levels", self.levels, Range{1, kMostLevels},
-        "pyramid levels, the full image included; the paper's four and coarser ones");
-}
+// The paper's four, and two more for the first guess of a motion.
+constexpr int kUsualLevels = 6;
 
 struct Level {
   Camera camera;
@@ -35,12 +24,10 @@ struct Frame {
   cv::Mat bgr;                // the distorted original; undistorted by who needs colour
   // Mean squared gradient of the image at half size [grey levels^2]: motion blur lowers it.
   double sharpness = 0;
-  // Only where asked for: of every level, distance to the nearest edge, truncated [px of the
-  // level].
-  std::vector<cv::Mat_<float>> edge_distance{};
 };
 
+// levels: of the pyramid, the full image included; at most kMostLevels.
 [[nodiscard]] Frame make_frame(const RgbdImage& image, const Undistortion& undistortion,
-                               const FrameOptions& options);
+                               int levels = kUsualLevels);
 
 }  // namespace edvo

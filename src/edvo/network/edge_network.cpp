@@ -138,8 +138,7 @@ class NetworkStrength final : public EdgeStrength {
     const Fitted fitted = fit(bgr, description_.input, source_);
     cv::Mat_<float> map = run(fitted.image);
     activate(map);
-    if (fitted.content != map.size())
-      map = map(cv::Rect({}, fitted.content)).clone();
+    if (fitted.content != map.size()) map = map(cv::Rect({}, fitted.content)).clone();
     if (fitted.content != bgr.size()) {
       cv::Mat resized;
       cv::resize(map, resized, bgr.size(), 0, 0, cv::INTER_LINEAR);

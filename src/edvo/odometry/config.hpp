@@ -6,7 +6,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/features/canny.hpp"
 #include "edvo/features/corners.hpp"
-#include "edvo/network/edge_network.hpp"
+#include "edvo/features/edge_strength.hpp"
 #include "edvo/window/window_keyframe.hpp"
 
 #include <concepts>
@@ -56,32 +56,21 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("detector", self.detector, Range{}, "none: every pixel with depth and gradient (dense)");
 }
 
-// What is expected of a frame: by all of the last image, coarse, against the new one, and by the
-// motion going on.
-struct CoarseOptions {
-  bool enabled = true;
-  int finest_level = 3;
-  int coarsest_level = 5;
-  int step = 16;             // [px]
-  double second_look = 1.4;  // [1]
+struct MotionOptions {
   double acceleration = 10;  // [m / s^2]
 };
 
 template <typename Self, typename Visitor>
-requires std::same_as<std::remove_const_t<Self>, CoarseOptions>
+requires std::same_as<std::remove_const_t<Self>, MotionOptions>
 void visit_fields(Self& self, Visitor&& visit) {
-  visit("enabled", self.enabled, Range{}, "start from the motion between whole coarse images");
-  visit("finest_level", self.finest_level, Range{0, 7}, "last pyramid level used");
-  visit("coarsest_level", self.coarsest_level, Range{0, 7}, "first pyramid level used");
-  visit("step", self.step, Range{1, 200}, "one point every so many pixels and rows [px]");
-  visit("second_look", self.second_look, Range{0, 1e6},
-        "residuals this many times the usual ones have fine levels tried alone; 0 = always");
-  visit(
-      "acceleration", self.acceleration, Range{0, 1e6},
-      "sigma of the camera's acceleration, by which its motion goes on; 0 = any motion [m / s^2]");
+  visit("acceleration", self.acceleration, Range{0, 1e6},
+        "sigma of the camera's acceleration: its velocity is expected to stay within that; 0 = "
+        "nothing is expected [m / s^2]");
 }
 
 // When a frame becomes a keyframe (paper, section III-C, fig. 4).
+// visit_fields lists the options of the program; the other fields are constants
+// (docs/experiments/options.md).
 struct KeyframeOptions {
   int period = 20;           // frames, 0 = never by period
   double translation = 0.1;  // [m]
@@ -101,22 +90,17 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("rotation", self.rotation, Range{0, 1e6},
         "motion amplitude Omega, rotation part, at which one is due [rad]");
   visit("overlap", self.overlap, Range{0, 1}, "share of points in view below which one is due");
-  visit("inliers", self.inliers, Range{0, 1}, "share of fitting points below which one is due");
-  visit(
-      "blur_ratio", self.blur_ratio, Range{0, 1e6},
-      "squared gradients / the keyframe's, at which one is due if residuals have grown; 0 = never");
   visit("max_lost_frames", self.max_lost_frames, Range{0, 1e6},
-        "lost frames in a row after which tracking starts again from the last pose");
+        "lost frames in a row after which a new segment begins at the last good pose");
 }
 
 struct Config {
-  FrameOptions frame;
   EdgeOptions edge;
   CannyOptions canny;
   NetworkOptions network;
   CornerOptions corners;
   SelectOptions selection;
-  CoarseOptions coarse;
+  MotionOptions motion;
   AlignOptions tracking;
   KeyframeOptions keyframes;
   WindowOptions window;
@@ -125,13 +109,12 @@ struct Config {
 template <typename Self, typename Visitor>
 requires std::same_as<std::remove_const_t<Self>, Config>
 void visit_groups(Self& self, Visitor&& visit) {
-  visit("frame", self.frame, "what is computed from each image");
   visit("edge", self.edge, "where edges come from");
   visit("canny", self.canny, "Canny edges");
   visit("network", self.network, "edges by a network (section III-A)");
   visit("corners", self.corners, "Shi-Tomasi corner optimization (section III-B)");
   visit("selection", self.selection, "which pixels of a keyframe are tracked");
-  visit("coarse", self.coarse, "what is expected of a frame's motion");
+  visit("motion", self.motion, "what is expected of the camera's motion");
   visit("tracking", self.tracking, "alignment of a frame (section III-D)");
   visit("keyframes", self.keyframes, "when a frame becomes a keyframe (section III-C)");
   visit("window", self.window, "joint refinement of the last keyframes");

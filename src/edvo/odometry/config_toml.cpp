@@ -178,7 +178,63 @@ std::string hint(std::string_view word, const std::vector<std::string>& keys) {
   return did_you_mean(word, keys);
 }
 
+// Keys of version 0.1 that have another name now, or none.
+constexpr auto kFormerKeys = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"coarse.acceleration", "motion.acceleration"},
+    {"keyframes.patience", "keyframes.max_lost_frames"},
+    {"network.influence", "network.edge_exponent"},
+    {"tracking.geometric", "tracking.depth_weight"},
+    {"window.anchors", "window.fixed_keyframes"},
+    {"window.geometric", "window.depth_weight"},
+    {"window.memory", "window.candidate_keyframes"},
+    {"canny.blur_sigma", ""},
+    {"canny.low_ratio", ""},
+    {"coarse.coarsest_level", ""},
+    {"coarse.enabled", ""},
+    {"coarse.finest_level", ""},
+    {"coarse.second_look", ""},
+    {"coarse.step", ""},
+    {"corners.budget", ""},
+    {"corners.min_distance", ""},
+    {"corners.strict_quality", ""},
+    {"corners.window_sigma", ""},
+    {"frame.levels", ""},
+    {"keyframes.inliers", ""},
+    {"keyframes.sharper", ""},
+    {"network.blur_sigma", ""},
+    {"network.edge_share", ""},
+    {"network.low_ratio", ""},
+    {"selection.cell", ""},
+    {"selection.min_points", ""},
+    {"tracking.edge_distance", ""},
+    {"tracking.edge_sigma", ""},
+    {"tracking.max_iterations", ""},
+    {"tracking.min_correlation", ""},
+    {"tracking.min_inliers", ""},
+    {"tracking.min_overlap", ""},
+    {"tracking.softness", ""},
+    {"tracking.step_tolerance", ""},
+    {"tracking.surface_cell", ""},
+    {"window.depth_bias", ""},
+    {"window.huber", ""},
+    {"window.iterations", ""},
+    {"window.own_sigma", ""},
+    {"window.sigma", ""},
+    {"window.softness", ""},
+    {"window.tolerance", ""},
+});
+
 [[noreturn]] void refuse_key(const std::string& where, std::string_view key, const Config& config) {
+  const auto former =
+      std::ranges::find(kFormerKeys, key, &std::pair<std::string_view, std::string_view>::first);
+  if (former != kFormerKeys.end() && former->second.empty())
+    throw Error(ErrorCode::kConfig,
+                fmt::format("{}'{}' is no option any more: its value is a constant now "
+                            "(docs/experiments/options.md); leave the line out",
+                            where, key));
+  if (former != kFormerKeys.end())
+    throw Error(ErrorCode::kConfig,
+                fmt::format("{}'{}' is called '{}' now", where, key, former->second));
   throw Error(ErrorCode::kConfig,
               fmt::format("{}unknown key '{}'{}", where, key, hint(key, all_keys(config))));
 }

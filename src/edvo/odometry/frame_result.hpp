@@ -6,6 +6,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/core/se3.hpp"
 #include "edvo/core/stamp.hpp"
+#include "edvo/map/map.hpp"
 
 #include <array>
 #include <cstdint>
@@ -14,10 +15,18 @@
 namespace edvo {
 
 enum class FrameStatus {
-  kFirst,    // defines the world: its pose is the identity
-  kTracked,  // pose estimated
-  kLost,     // no trustworthy pose; world_from_camera holds the last good one
+  kFirst,        // defines the world: its pose is the identity
+  kTracked,      // pose estimated
+  kLost,         // no trustworthy pose; world_from_camera holds the last good one
+  kRestarted,    // begins a new segment at a guessed pose, the last good one
+  kRelocalized,  // pose estimated, back in an earlier segment
 };
+
+// Whether the pose was estimated: neither guessed nor held.
+[[nodiscard]] constexpr bool is_tracked(FrameStatus status) {
+  return status == FrameStatus::kFirst || status == FrameStatus::kTracked ||
+         status == FrameStatus::kRelocalized;
+}
 
 enum class KeyframeReason {
   kFirst,    // nothing to track against yet
@@ -25,8 +34,21 @@ enum class KeyframeReason {
   kMotion,   // ||xi|| passed Omega
   kOverlap,  // too few of the keyframe's points are still in view
   kInliers,  // too few of the points in view still fit
-  kSharper,  // residuals are large, and the frame is blur_ratio than the keyframe
-  kLost,     // tracking starts again here
+  kSharper,  // residuals are large, and the frame is sharper than the keyframe
+  kRestart,  // tracking starts again here
+};
+
+// Why a frame is lost.
+enum class LossCause {
+  kNone,       // it is not
+  kNoDepth,    // hardly a pixel has a depth in range
+  kNoTexture,  // hardly a pixel has a gradient
+  kFewPoints,  // too few pixels have both
+  kUnlike,     // the images do not correlate
+  kOverlap,    // too few of the keyframe's points are in view
+  kOutliers,   // too few of the points in view fit
+  kResiduals,  // residuals are far larger than usual, of intensity and of depth
+  kAmbiguous,  // another motion explains the image as well
 };
 
 // Where the time of a frame went, on whatever thread. [ms]
@@ -44,16 +66,28 @@ struct FrameResult {
   std::int64_t index = 0;  // of the frame in the input, counted from 0
   Stamp stamp;
   FrameStatus status = FrameStatus::kLost;
-  SE3 world_from_camera;                    // as known when the frame was processed
-  Matrix6d information = Matrix6d::Zero();  // inverse covariance of xi in key_from_camera * exp(xi)
-  int points = 0;                           // residuals of the finest level
-  double inlier_ratio = 0;                  // [0..1] of the points in view
-  double overlap = 0;                       // [0..1] of the keyframe's points in view
-  double rms = 0;                           // photometric, inliers [grey levels]
-  LevelList levels;                         // coarse to fine
-  std::optional<KeyframeReason> keyframe;   // set if this frame became a keyframe
+  LossCause loss_cause = LossCause::kNone;
+  int segment = 0;           // of the map that the frame belongs to
+  KeyframeId keyframe = -1;  // that it was aligned to, -1 = there is none yet
+  SE3 keyframe_from_camera;  // of a lost frame, that of the last good one
+  SE3 world_from_camera;     // as known when the frame was processed
+  // Inverse covariance of xi in keyframe_from_camera * exp(xi), xi = (rho [m], phi [rad]). A frame
+  // that begins a segment is its own keyframe and has kExactInformation, a lost one has zero.
+  Matrix6d information = Matrix6d::Zero();
+  int points = 0;                          // residuals of the finest level
+  double inlier_ratio = 0;                 // [0..1] of the points in view
+  double overlap = 0;                      // [0..1] of the keyframe's points in view
+  double correlation = 0;                  // of fitting points' intensities in both images [-1..1]
+  double rms = 0;                          // photometric, inliers [grey levels]
+  bool ambiguous = false;                  // another motion explains the image as well
+  LevelList levels;                        // coarse to fine
+  std::optional<KeyframeId> new_keyframe;  // set if this frame became a keyframe
+  std::optional<KeyframeReason> keyframe_reason;  // and why
   StageTimes milliseconds;
 };
+
+// On the diagonal of the information of a pose that is exact by definition.
+constexpr double kExactInformation = 1e12;
 
 template <>
 struct EnumNames<FrameStatus> {
@@ -61,6 +95,8 @@ struct EnumNames<FrameStatus> {
       {FrameStatus::kFirst, "first"},
       {FrameStatus::kTracked, "tracked"},
       {FrameStatus::kLost, "lost"},
+      {FrameStatus::kRestarted, "restarted"},
+      {FrameStatus::kRelocalized, "relocalized"},
   });
 };
 
@@ -72,8 +108,23 @@ struct EnumNames<KeyframeReason> {
       {KeyframeReason::kMotion, "motion"},
       {KeyframeReason::kOverlap, "overlap"},
       {KeyframeReason::kInliers, "inliers"},
-      {KeyframeReason::kSharper, "blur_ratio"},
-      {KeyframeReason::kLost, "lost"},
+      {KeyframeReason::kSharper, "sharper"},
+      {KeyframeReason::kRestart, "restart"},
+  });
+};
+
+template <>
+struct EnumNames<LossCause> {
+  static constexpr auto names = std::to_array<std::pair<LossCause, std::string_view>>({
+      {LossCause::kNone, "none"},
+      {LossCause::kNoDepth, "no_depth"},
+      {LossCause::kNoTexture, "no_texture"},
+      {LossCause::kFewPoints, "few_points"},
+      {LossCause::kUnlike, "unlike"},
+      {LossCause::kOverlap, "overlap"},
+      {LossCause::kOutliers, "outliers"},
+      {LossCause::kResiduals, "residuals"},
+      {LossCause::kAmbiguous, "ambiguous"},
   });
 };
 

@@ -9,39 +9,61 @@
 namespace edvo {
 namespace {
 
-constexpr double kCoarseStep = 0.05;  // [px of the level] ends a level: only a guess is wanted
-constexpr int kTurnColumns = 40;      // [px] an image to be correlated needs
+constexpr double kFarAhead = 3.0;       // times its own duration, a motion tells nothing
+constexpr double kLeastSeconds = 1e-3;  // [s] stamps nearer to each other are not a camera's
+
+constexpr int kFinestLevel = 3, kCoarsestLevel = 5;
+constexpr double kCoarseStep = 0.05;     // [px of the level] ends a level: only a guess is wanted
+constexpr int kGridStep = 16;            // [px] between points of the whole image
+constexpr int kCorrelationColumns = 40;  // [px] an image to be correlated needs
 
 AlignOptions coarse_tracking(const Config& config) {
   AlignOptions options = config.tracking;
-  options.finest_level = config.coarse.finest_level;
-  options.coarsest_level = config.coarse.coarsest_level;
+  options.finest_level = kFinestLevel;
+  options.coarsest_level = kCoarsestLevel;
   options.step_tolerance = kCoarseStep;
-  options.edge_distance = 0;  // its points are a grid's, not edges'
   return options;
 }
 
-// The coarsest whose image is large enough to correlate.
-std::size_t turn_level(const Frame& frame) {
+// The coarsest level whose image is large enough to correlate.
+const Level& correlation_level(const Frame& frame) {
   std::size_t level = 0;
-  while (level + 1 < frame.levels.size() && frame.levels[level + 1].gray.cols >= kTurnColumns)
+  while (level + 1 < frame.levels.size() &&
+         frame.levels[level + 1].gray.cols >= kCorrelationColumns)
     ++level;
-  return level;
+  return frame.levels[level];
 }
 
 }  // namespace
 
-SE3 MotionPredictor::turn_to(const Frame& frame) {
-  const Level& level = frame.levels[turn_level(frame)];
-  return rotation_from_image_shift(correlation_.shift_to(level.gray), level.camera);
+SE3 constant_velocity(const TrackingState& state, const Stamp& stamp) {
+  if (!state.stamp || state.motion_seconds <= 0) return SE3{};
+  const double gap = seconds_between(*state.stamp, stamp);
+  if (gap > kFarAhead * state.motion_seconds) return SE3{};
+  return exp(gap / state.motion_seconds * log(inverse(state.last_from_current)));
 }
 
-Motions MotionPredictor::likely(const Frame& frame, const SE3& going_on, const Config& config,
-                                AlignScratch& scratch) {
+PositionPrior position_prior(const TrackingState& state, const Stamp& stamp, double acceleration) {
+  if (acceleration == 0 || !state.stamp || state.motion_seconds <= 0) return {};
+  const double gap = seconds_between(*state.stamp, stamp);
+  if (gap > kFarAhead * state.motion_seconds) return {};
+  const SE3 key_from_last = inverse(state.alignment.cur_from_ref);
+  const SE3 current_from_last = inverse(state.last_from_current);
+  const Eigen::Vector3d onward = current_from_last.rotation * state.last_from_current.translation *
+                                 (gap / state.motion_seconds);
+  return {.centre = key_from_last * onward,
+          .sigma = acceleration * std::max(gap, kLeastSeconds) *
+                   std::max({gap, state.motion_seconds, kLeastSeconds})};
+}
+
+MotionCandidates MotionPredictor::candidates(const Frame& frame, const SE3& velocity,
+                                             const Config& config, AlignScratch& scratch) {
   const AlignOptions options = coarse_tracking(config);
-  Alignment start{.cur_from_ref = going_on};
+  const Level& level = correlation_level(frame);
+  const SE3 rotation = rotation_from_image_shift(correlation_.shift_to(level.gray), level.camera);
+  Alignment start{.cur_from_ref = velocity};
   double least = coarse_cost(last_, frame, start, options, scratch);
-  for (const SE3& other : {SE3{}, turn_to(frame)}) {
+  for (const SE3& other : {SE3{}, rotation}) {
     const Alignment guess{.cur_from_ref = other};
     const double cost = coarse_cost(last_, frame, guess, options, scratch);
     if (cost < least) {
@@ -50,21 +72,21 @@ Motions MotionPredictor::likely(const Frame& frame, const SE3& going_on, const C
     }
   }
   const AlignResult coarse = align(last_, frame, start, options, scratch);
-  if (coarse.status != AlignStatus::kTracked) return {going_on, SE3{}};
-  return {coarse.alignment.cur_from_ref, going_on, SE3{}};
+  if (coarse.status != AlignStatus::kTracked) return {velocity, SE3{}};
+  return {coarse.alignment.cur_from_ref, velocity, SE3{}};
 }
 
-void MotionPredictor::remember(const Frame& frame, const Config& config) {
-  if (last_.levels.empty()) (void)turn_to(frame);  // the first: nobody has asked
-  pixels_ = grid_pixels(frame, config.coarse.step, config.selection, std::move(pixels_));
-  last_ = make_reference(frame, pixels_,
-                         {.gradient_weight_scale = config.tracking.gradient_weight_scale,
-                          .finest_level = std::min(config.coarse.finest_level,
-                                                   static_cast<int>(frame.levels.size()) - 1),
-                          .coarsest_level = config.coarse.coarsest_level},
-                         std::move(last_));
+void MotionPredictor::update(const Frame& frame, const Config& config) {
+  correlation_.set_reference(correlation_level(frame).gray);
+  pixels_ = grid_pixels(frame, kGridStep, config.selection, std::move(pixels_));
+  last_ = make_reference(
+      frame, pixels_,
+      {.gradient_weight_scale = config.tracking.gradient_weight_scale,
+       .finest_level = std::min(kFinestLevel, static_cast<int>(frame.levels.size()) - 1),
+       .coarsest_level = kCoarsestLevel},
+      std::move(last_));
   if (config.tracking.depth_weight > 0)
-    last_.surface = make_surface(frame.depth, frame.levels.front().camera, 2 * config.coarse.step,
+    last_.surface = make_surface(frame.depth, frame.levels.front().camera, 2 * kGridStep,
                                  config.tracking.depth_noise, std::move(last_.surface));
 }
 

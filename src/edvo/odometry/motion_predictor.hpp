@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How the camera could have moved since the last frame: a guess for alignment to the keyframe.
+// Where the camera could have moved since the last good frame: starts for the alignment.
 #pragma once
 
 #include "edvo/align/align.hpp"
@@ -7,29 +7,38 @@
 #include "edvo/core/inplace_vector.hpp"
 #include "edvo/features/pixel_selection.hpp"
 #include "edvo/odometry/config.hpp"
+#include "edvo/odometry/tracking_state.hpp"
 
 namespace edvo {
 
-constexpr std::size_t kMostMotions = 3;
-using Motions = InplaceVector<SE3, kMostMotions>;  // cur_from_last, the likeliest first
+constexpr std::size_t kMostCandidates = 3;
+using MotionCandidates = InplaceVector<SE3, kMostCandidates>;  // current_from_last
 
-// Aligns whole coarse images, each to the last one. Every frame is to be remembered, and every one
-// but the first to be asked about before.
+// Motion from the last good frame to a stamp, if the camera goes on as it did; none (the identity)
+// where the gap is so long that the last motion tells nothing. current_from_last.
+[[nodiscard]] SE3 constant_velocity(const TrackingState& state, const Stamp& stamp);
+
+// Where the camera's centre is expected at a stamp, in the reference keyframe's camera, with the
+// sigma that this acceleration [m/s^2] allows; sigma 0 = nothing is expected.
+[[nodiscard]] PositionPrior position_prior(const TrackingState& state, const Stamp& stamp,
+                                           double acceleration);
+
+// Aligns whole coarse images, each to that of the last good frame.
 class MotionPredictor {
  public:
-  // As whole coarse images tell (started from the motion going on, from standing still or from a
-  // turn), as before, or not at all.
-  Motions likely(const Frame& frame, const SE3& going_on, const Config& config,
-                 AlignScratch& scratch);
+  // The motion that whole coarse images show (found from the constant velocity, from no motion or
+  // from the rotation that phase correlation shows, whichever costs least), the constant velocity,
+  // and no motion.
+  [[nodiscard]] MotionCandidates candidates(const Frame& frame, const SE3& velocity,
+                                            const Config& config, AlignScratch& scratch);
 
-  void remember(const Frame& frame, const Config& config);
+  // Makes this frame the one that later frames are aligned to.
+  void update(const Frame& frame, const Config& config);
 
  private:
-  SE3 turn_to(const Frame& frame);
-
-  std::vector<SelectedPixel> pixels_;  // of the last frame
-  Reference last_;                     // the last frame, whole but coarse
-  PhaseCorrelation correlation_;       // of it and the next one
+  std::vector<SelectedPixel> pixels_;  // of the last good frame, on a grid
+  Reference last_;                     // the last good frame, whole but coarse
+  PhaseCorrelation correlation_;       // with its image
 };
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The visual odometry: RGB-D images in, poses out. The one stateful object of the library.
+// The visual odometry: RGB-D images in, poses out.
 #pragma once
 
 #include "edvo/core/camera.hpp"
@@ -7,6 +7,8 @@
 #include "edvo/core/trajectory.hpp"
 #include "edvo/features/edge_detector.hpp"
 #include "edvo/image/frame.hpp"
+#include "edvo/map/keyframe.hpp"
+#include "edvo/map/map.hpp"
 #include "edvo/odometry/config.hpp"
 #include "edvo/odometry/frame_result.hpp"
 
@@ -21,28 +23,45 @@ struct PreparedImage {
 };
 
 // The world frame is the camera frame of the first image that could be used.
+//
+// One thread at a time, except for prepare(), which any number of threads may call meanwhile. Two
+// objects share nothing.
 class Odometry {
  public:
-  // Throws Error(kConfig, kCalibration, kModel) if the options, the camera or the network's model
-  // do not fit. A detector given takes the place of the network that the options name.
+  // Opens no file. detector: finds the edges of keyframes; without one, what config.edge.detector
+  // names, unless that is a network, which has to be handed in (edvo::network). Throws
+  // Error(kConfig, kCalibration) if the options or the camera do not fit.
   Odometry(const DistortedCamera& camera, const Config& config,
            std::unique_ptr<EdgeDetector> detector = nullptr);
   ~Odometry();
   Odometry(Odometry&&) noexcept;
   Odometry& operator=(Odometry&&) noexcept;
 
-  // Images must come in the order of their stamps and be of the camera's size; otherwise throws
-  // Error(kInput) and changes nothing.
+  // Images must come in the order of their stamps, be of the camera's size, colour CV_8UC3 and
+  // depth CV_32FC1 in metres; otherwise throws Error(kInput) and changes nothing.
   FrameResult process(const RgbdImage& image);
 
-  // The same in two steps: other threads may prepare the images to come, in any order.
+  // The same in two steps.
   [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const;
-  FrameResult process_prepared(const PreparedImage& image);
+  FrameResult process(const PreparedImage& image);
 
-  // The best present estimate of every tracked frame so far: frames hang on their keyframe, so that
-  // they follow when a later joint refinement moves it. Lost frames are left out.
+  // Refines the last keyframes to the end. Call it once after the last image; more images may
+  // follow.
+  void finish();
+
+  // As if no image had come: same camera, options and detector.
+  void reset();
+
+  // The best present estimate of every frame with a pose: frames hang on their keyframe, so that
+  // they follow when a later refinement moves it. Lost frames are left out, and so are restarted
+  // ones in whose segment no frame was tracked.
   [[nodiscard]] Trajectory trajectory() const;
-  [[nodiscard]] Trajectory keyframes() const;
+  [[nodiscard]] Trajectory keyframe_trajectory() const;
+  [[nodiscard]] const Map& map() const;
+
+  // The newest keyframe with its images and points, made by this call; null if there is none yet.
+  // Its pose is the present one of the map.
+  [[nodiscard]] KeyframePtr newest_keyframe() const;
 
  private:
   struct State;

@@ -24,7 +24,7 @@ Config preset(Method method) {
       config.selection.max_points = 10'000'000;
       // Frame to frame, as the paper's "without keyframes", and photometric only.
       config.keyframes = {.period = 1};
-      config.coarse.acceleration = 0;
+      config.motion.acceleration = 0;
       config.tracking.depth_weight = 0;
       config.window.keyframes = 0;
       break;

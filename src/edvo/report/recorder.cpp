@@ -25,7 +25,7 @@ void Recorder::append(const FrameResult& report) {
   log_.frames.push_back({.index = report.index,
                          .stamp = report.stamp,
                          .status = report.status,
-                         .keyframe = report.keyframe,
+                         .keyframe = report.keyframe_reason,
                          .inlier_ratio = static_cast<float>(report.inlier_ratio),
                          .overlap = static_cast<float>(report.overlap),
                          .milliseconds = report.milliseconds,

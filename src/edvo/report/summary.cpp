@@ -197,7 +197,8 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
   bool was_lost = false;
   for (const FrameRecord& frame : log.frames) {
     const bool is_lost = frame.status == FrameStatus::kLost;
-    ++(is_lost ? summary.lost : summary.tracked);
+    if (is_tracked(frame.status)) ++summary.tracked;
+    if (is_lost) ++summary.lost;
     if (is_lost && !was_lost) ++summary.lost_events;
     was_lost = is_lost;
   }
@@ -224,7 +225,7 @@ std::string to_json_line(const FrameResult& report) {
                {"keyframe", nullptr},
                {"information", upper_triangle(report.information)},
                {"ms", stage_times(report.milliseconds)}};
-  if (report.keyframe) line["keyframe"] = name_of(*report.keyframe);
+  if (report.keyframe_reason) line["keyframe"] = name_of(*report.keyframe_reason);
   return dump(line, -1);
 }
 

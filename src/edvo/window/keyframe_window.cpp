@@ -14,12 +14,12 @@ constexpr int kStepsAtFirst = 2, kSteps = 3;
 
 }  // namespace
 
-void KeyframeWindow::add(const Frame& frame, const SE3& world_from_camera,
+void KeyframeWindow::add(std::int64_t id, const Frame& frame, const SE3& world_from_camera,
                          const Alignment& from_last, const std::vector<SelectedPixel>& pixels,
                          const WindowOptions& options) {
-  keyframes_.push_back({frame.stamp, world_from_camera});
   if (options.keyframes == 0) return;
   WindowKeyframe key = make_window_keyframe(frame, world_from_camera, pixels, options);
+  key.id = id;
   if (!recent_.empty()) {  // I = gain * radiance + bias, chained over the last keyframe
     key.gain = from_last.gain * recent_.back().gain;
     key.bias = from_last.gain * recent_.back().bias + from_last.bias;
@@ -33,16 +33,17 @@ void KeyframeWindow::add(const Frame& frame, const SE3& world_from_camera,
 bool KeyframeWindow::refine(const Camera& camera, const WindowOptions& options) {
   const bool begins = waiting_;
   waiting_ = false;
+  refined_.clear();
   if (begins) choose_members(camera, options);
   if (!begins && refinement_.finished) return false;
   std::vector<WindowKeyframe> window;
   for (const std::size_t k : members_) window.push_back(std::move(recent_[k]));
   if (begins) refinement_ = begin_refinement(window, camera, fixed_, options, pairs_);
   advance(refinement_, window, begins ? kStepsAtFirst : kSteps, pairs_);
-  const std::size_t first = keyframes_.size() - recent_.size();
   for (std::size_t i = 0; i < members_.size(); ++i) {
     recent_[members_[i]] = std::move(window[i]);
-    keyframes_[first + members_[i]].world_from_camera = recent_[members_[i]].world_from_key;
+    const WindowKeyframe& key = recent_[members_[i]];
+    refined_.push_back({.id = key.id, .world_from_camera = key.world_from_key});
   }
   return !refinement_.finished;
 }

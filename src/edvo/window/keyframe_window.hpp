@@ -1,31 +1,37 @@
 // SPDX-License-Identifier: MIT
-// The keyframes: all poses, and of the latest ones what their joint refinement needs.
+// The last keyframes of a segment and their joint refinement: the one header for callers.
 #pragma once
 
 #include "edvo/align/photometric.hpp"
-#include "edvo/core/trajectory.hpp"
 #include "edvo/window/refinement.hpp"
 
 namespace edvo {
 
+// Keeps the images of at most keyframes + candidate_keyframes keyframes. Not synchronized.
 class KeyframeWindow {
  public:
-  // Adds a keyframe, to be refined. from_last: brightness of the frame against the last keyframe.
-  // pixels: its points, at most options.points of them.
-  void add(const Frame& frame, const SE3& world_from_camera, const Alignment& from_last,
-           const std::vector<SelectedPixel>& pixels, const WindowOptions& options);
+  // Adds a keyframe, to be refined. id: by which refined() names it. from_last: brightness of the
+  // frame against the last keyframe. pixels: its points, at most options.points of them.
+  void add(std::int64_t id, const Frame& frame, const SE3& world_from_camera,
+           const Alignment& from_last, const std::vector<SelectedPixel>& pixels,
+           const WindowOptions& options);
 
   // Refines the keyframe added last together with those before it, held by older ones with the same
   // view: some steps at a time, to be called until nothing is left to do (false) or the next
   // keyframe is there.
   bool refine(const Camera& camera, const WindowOptions& options);
 
-  [[nodiscard]] const Trajectory& keyframes() const { return keyframes_; }
+  struct Pose {
+    std::int64_t id;  // of the keyframe, as given to add()
+    SE3 world_from_camera;
+  };
+  // Of the keyframes that the last step moved or could have moved.
+  [[nodiscard]] const std::vector<Pose>& refined() const { return refined_; }
 
  private:
   void choose_members(const Camera& camera, const WindowOptions& options);
 
-  Trajectory keyframes_;                // all
+  std::vector<Pose> refined_;
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number
   std::vector<PairModel> pairs_;        // as the last refinement left them
   bool waiting_ = false;                // the last keyframe has not been refined at all

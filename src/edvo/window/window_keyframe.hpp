@@ -12,6 +12,8 @@
 
 namespace edvo {
 
+// visit_fields lists the options of the program; the other fields are constants
+// (docs/experiments/options.md).
 struct WindowOptions {
   int keyframes = 7;
   int fixed_keyframes = 5;
@@ -37,21 +39,9 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("candidate_keyframes", self.candidate_keyframes, Range{1, 10000},
         "older keyframes kept as possible fixed_keyframes");
   visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
-  visit("iterations", self.iterations, Range{1, 100},
-        "linearizations per refinement, shared by a few frames");
-  visit("tolerance", self.tolerance, Range{0, 1},
-        "a step that lowers the cost by a smaller share ends the refinement");
-  visit("sigma", self.sigma, Range{0.1, 255},
-        "least sigma of the photometric residuals [grey levels]");
-  visit("huber", self.huber, Range{0.1, 100}, "theta_H of the photometric residuals [sigmas]");
-  visit("pair_sigma_scale", self.pair_sigma_scale, Range{0, 100},
-        "sigma of the residuals of two keyframes / that which they show; 0 = the same for all");
-  visit("gradient_weight_scale", self.gradient_weight_scale, Range{1, 1e6},
-        "gradient at which a pixel's weight is halved [grey levels / px]");
   visit("depth_noise", self.depth_noise, Range{1e-6, 1},
         "sigma of measured inverse depth; between keyframes less where residuals are smaller [1 / "
         "m]");
-  visit("depth_bias", self.depth_bias, Range{0, 1}, "sigma of measured depth, / depth");
   visit("depth_weight", self.depth_weight, Range{0, 1e3},
         "weight of the depth residuals between keyframes; 0 = off");
 }
@@ -71,6 +61,7 @@ struct WindowPoint {
 };
 
 struct WindowKeyframe {
+  std::int64_t id = 0;
   Stamp stamp;
   SE3 world_from_key;
   double gain = 1, bias = 0;      // I = gain * radiance + bias

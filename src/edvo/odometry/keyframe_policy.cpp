@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/odometry/keyframe_policy.hpp"
+
+namespace edvo {
+namespace {
+
+constexpr double kPoorFit = 1.5;  // times the usual sigma: a blurred keyframe may be why
+
+// A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
+// is, however little it has moved: the pose may drift by centimetres while the camera stands still.
+bool keyframe_is_blurred(const AlignResult& result, const Frame& frame, const TrackingState& state,
+                         double blur_ratio) {
+  return blur_ratio > 0 && result.sigma > kPoorFit * state.usual_sigma &&
+         frame.sharpness > blur_ratio * state.keyframe_sharpness;
+}
+
+}  // namespace
+
+std::optional<KeyframeReason> KeyframePolicy::due(const AlignResult& result, const Frame& frame,
+                                                  const TrackingState& state) const {
+  if (options_.period > 0 && state.frames_since_keyframe >= options_.period)
+    return KeyframeReason::kPeriod;
+  const SE3& motion = result.alignment.cur_from_ref;
+  if (motion.translation.norm() > options_.translation ||
+      rotation_angle(motion) > options_.rotation)
+    return KeyframeReason::kMotion;
+  if (result.overlap < options_.overlap) return KeyframeReason::kOverlap;
+  if (result.inlier_ratio < options_.inliers) return KeyframeReason::kInliers;
+  if (keyframe_is_blurred(result, frame, state, options_.blur_ratio))
+    return KeyframeReason::kSharper;
+  return std::nullopt;
+}
+
+}  // namespace edvo

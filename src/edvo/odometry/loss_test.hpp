@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Whether an alignment can be believed, and if not, why.
+#pragma once
+
+#include "edvo/align/align.hpp"
+#include "edvo/features/pixel_selection.hpp"
+#include "edvo/odometry/frame_result.hpp"
+#include "edvo/odometry/tracking_state.hpp"
+
+namespace edvo {
+
+// kNone = believe it. state: before the frame.
+[[nodiscard]] LossCause loss_cause(const AlignResult& result, const AlignOptions& options,
+                                   const TrackingState& state);
+
+// What an image itself lacks: kNoDepth, kNoTexture, kFewPoints, or kNone. Reads a grid of pixels.
+[[nodiscard]] LossCause image_fault(const Frame& frame, const SelectOptions& options);
+
+}  // namespace edvo

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/odometry/odometry_state.hpp"
+
+#include "edvo/align/surface.hpp"
+#include "edvo/core/error.hpp"
+#include "edvo/features/corners.hpp"
+#include "edvo/odometry/loss_test.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace edvo {
+namespace {
+
+constexpr std::int64_t kEstablished = 5;  // tracked frames that make a segment worth coming back to
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+}  // namespace
+
+Odometry::State::State(const Config& options, Undistortion map_of_pixels)
+    : config((check(options), options)),
+      undistortion(std::move(map_of_pixels)),
+      policy(options.keyframes),
+      guard(options.tracking) {}
+
+void Odometry::State::require_newer(const Stamp& stamp) {
+  if (newest && stamp <= *newest)
+    throw Error(ErrorCode::kInput, "image " + to_string(stamp) +
+                                       ": not later than the one before, " + to_string(*newest));
+  newest = stamp;
+}
+
+bool Odometry::State::has_tracked(int segment_id) const {
+  return std::binary_search(with_tracked.begin(), with_tracked.end(), segment_id);
+}
+
+bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResult& result) {
+  Segment fresh{.id = segments};
+  const SE3 last_good = segment.keyframe < 0 ? SE3{}
+                                             : map[segment.keyframe].world_from_camera *
+                                                   inverse(segment.state.alignment.cur_from_ref);
+  if (!insert_into(fresh, frame, last_good, result)) {
+    result.loss_cause = image_fault(frame, config.selection);
+    if (result.loss_cause == LossCause::kNone) result.loss_cause = LossCause::kFewPoints;
+    result.world_from_camera = last_good;
+    return false;
+  }
+  if (segment.tracked >= kEstablished) left = std::move(segment);
+  segment = std::move(fresh);
+  ++segments;
+  lost_in_a_row = 0;
+  const bool first = reason == KeyframeReason::kFirst;
+  result.status = first ? FrameStatus::kFirst : FrameStatus::kRestarted;
+  result.segment = segment.id;
+  result.keyframe = segment.keyframe;
+  result.new_keyframe = segment.keyframe;
+  result.keyframe_reason = reason;
+  result.keyframe_from_camera = {};
+  result.information = kExactInformation * Matrix6d::Identity();
+  result.world_from_camera = last_good;
+  result.loss_cause = LossCause::kNone;
+  if (first) with_tracked.push_back(segment.id);
+  links.push_back({.stamp = frame.stamp, .keyframe = segment.keyframe, .is_guess = !first});
+  segment.predictor.update(frame, config);
+  return true;
+}
+
+bool Odometry::State::relocalize(const Frame& frame, SegmentAlignment& alignment) {
+  if (!left) return false;
+  SegmentAlignment other = align_in(*left, frame, config, guard, scratch);
+  if (other.loss != LossCause::kNone) return false;
+  if (segment.tracked >= kEstablished)
+    std::swap(segment, *left);
+  else
+    segment = *std::exchange(left, std::nullopt);
+  alignment = std::move(other);
+  return true;
+}
+
+bool Odometry::State::refine() {
+  const bool more = segment.window.refine(undistortion.camera, config.window);
+  for (const auto& [id, world_from_camera] : segment.window.refined())
+    map.set_pose(id, world_from_camera);
+  return more;
+}
+
+void Odometry::State::take(const Frame& frame, const AlignResult& alignment, bool relocalized,
+                           FrameResult& result) {
+  lost_in_a_row = 0;
+  if (!has_tracked(segment.id))
+    with_tracked.insert(std::ranges::upper_bound(with_tracked, segment.id), segment.id);
+  result.status = relocalized ? FrameStatus::kRelocalized : FrameStatus::kTracked;
+  result.segment = segment.id;
+  result.keyframe = segment.keyframe;
+  result.keyframe_from_camera = inverse(alignment.alignment.cur_from_ref);
+  result.information = alignment.information;
+  result.world_from_camera = map[segment.keyframe].world_from_camera * result.keyframe_from_camera;
+  links.push_back({.stamp = frame.stamp,
+                   .keyframe = segment.keyframe,
+                   .keyframe_from_camera = result.keyframe_from_camera});
+}
+
+void Odometry::State::lose(const Frame& frame, LossCause cause, FrameResult& result) {
+  if (++lost_in_a_row > config.keyframes.max_lost_frames &&
+      begin(frame, KeyframeReason::kRestart, result))
+    return;
+  const LossCause fault = image_fault(frame, config.selection);
+  result.loss_cause = fault == LossCause::kNone ? cause : fault;
+  result.segment = segment.id;
+  result.keyframe = segment.keyframe;
+  result.keyframe_from_camera = inverse(segment.state.alignment.cur_from_ref);
+  result.world_from_camera = map[segment.keyframe].world_from_camera * result.keyframe_from_camera;
+}
+
+bool Odometry::State::insert_keyframe(const Frame& frame, KeyframeReason reason,
+                                      FrameResult& result) {
+  if (!insert_into(segment, frame, result.world_from_camera, result)) return false;
+  result.new_keyframe = segment.keyframe;
+  result.keyframe_reason = reason;
+  links.back() = {.stamp = frame.stamp, .keyframe = segment.keyframe};
+  return true;
+}
+
+// Of all frames keyframes alone have their depth undistorted as a whole. Nothing of the target
+// changes before it is certain that the keyframe can be made.
+bool Odometry::State::insert_into(Segment& target, const Frame& original,
+                                  const SE3& world_from_camera, FrameResult& result) {
+  Stopwatch watch;
+  Frame frame = original;
+  frame.depth = frame.depth.undistorted();
+  const cv::Mat_<std::uint8_t> edges =
+      detector->detect({.gray = frame.levels.front().gray,
+                        .colour = [&] { return undistort_colour(undistortion, frame.bgr); }});
+  result.milliseconds.edges = watch.lap();
+  const cv::Mat_<std::uint8_t> candidates = with_corner_discs(edges, config.corners);
+  result.milliseconds.corners = watch.lap();
+  std::vector<SelectedPixel> pixels =
+      select_pixels(frame, candidates, undistortion.valid, config.selection);
+  if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
+  target.reference = make_reference(frame, pixels,
+                                    {.gradient_weight_scale = config.tracking.gradient_weight_scale,
+                                     .finest_level = config.tracking.finest_level,
+                                     .coarsest_level = config.tracking.coarsest_level},
+                                    std::move(target.reference));
+  if (config.tracking.depth_weight > 0)
+    target.reference.surface =
+        make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
+                     config.tracking.depth_noise, std::move(target.reference.surface));
+  result.milliseconds.selection = watch.lap();
+  target.keyframe = map.add(frame.stamp, target.id, world_from_camera);
+  target.window.add(target.keyframe, frame, world_from_camera, target.state.alignment,
+                    spread(pixels, frame.depth.cols(), config.selection.cell, config.window.points),
+                    config.window);
+  result.milliseconds.window += watch.lap();
+
+  target.state.stamp = frame.stamp;
+  target.state.alignment = {};
+  target.state.keyframe_sharpness = frame.sharpness;
+  target.state.frames_since_keyframe = 0;
+  keyframe_frame = std::move(frame);
+  keyframe_pixels = std::move(pixels);
+  return true;
+}
+
+KeyframePtr Odometry::State::newest_keyframe() const {
+  if (map.keyframes().empty()) return nullptr;
+  const MapKeyframe& key = map.keyframes().back();
+  auto keyframe = std::make_shared<Keyframe>();
+  keyframe->id = key.id;
+  keyframe->stamp = key.stamp;
+  keyframe->segment = key.segment;
+  keyframe->world_from_camera = key.world_from_camera;
+  keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
+  keyframe->depth = keyframe_frame.depth.undistorted();
+  keyframe->points.reserve(keyframe_pixels.size());
+  for (const SelectedPixel& p : keyframe_pixels) {
+    const cv::Vec3b& bgr = keyframe->bgr(p.pixel);
+    keyframe->points.push_back({.position = back_project(undistortion.camera, p.pixel.x, p.pixel.y,
+                                                         static_cast<double>(p.depth))
+                                                .cast<float>(),
+                                .rgb = {bgr[2], bgr[1], bgr[0]}});
+  }
+  return keyframe;
+}
+
+void require_fitting(const RgbdImage& image, const Camera& camera) {
+  const std::string name = "image " + to_string(image.stamp);
+  if (image.bgr.type() != CV_8UC3)
+    throw Error(ErrorCode::kInput, name + ": colour has the type " +
+                                       cv::typeToString(image.bgr.type()) +
+                                       ", but CV_8UC3 (BGR, 8 bits) is expected");
+  if (image.depth.type() != CV_32FC1)
+    throw Error(ErrorCode::kInput, name + ": depth has the type " +
+                                       cv::typeToString(image.depth.type()) +
+                                       ", but CV_32FC1 in metres is expected; divide by the depth "
+                                       "scale first");
+  const auto fits = [&](const cv::Mat& m) {
+    return m.cols == camera.width && m.rows == camera.height;
+  };
+  if (!fits(image.bgr) || !fits(image.depth))
+    throw Error(ErrorCode::kInput,
+                name + ": colour is " + size_text(image.bgr.cols, image.bgr.rows) + ", depth " +
+                    size_text(image.depth.cols, image.depth.rows) + ", but the camera is " +
+                    size_text(camera.width, camera.height));
+}
+
+int level_count(const Config& config) {
+  return std::max(kUsualLevels, config.tracking.coarsest_level + 1);
+}
+
+std::unique_ptr<EdgeDetector> make_detector(const Config& config) {
+  switch (config.edge.detector) {
+    case Detector::kCanny:
+      return make_canny_detector(config.canny);
+    case Detector::kNone:
+      return make_dense_detector();
+    case Detector::kNetwork:
+      break;
+  }
+  throw Error(ErrorCode::kConfig,
+              "edge.detector = \"network\": a network has to be handed in as an EdgeDetector "
+              "(edvo/network/edge_network.hpp opens one)");
+}
+
+void describe(const AlignResult& alignment, FrameResult& result) {
+  result.levels = alignment.levels;
+  result.overlap = alignment.overlap;
+  result.inlier_ratio = alignment.inlier_ratio;
+  result.correlation = alignment.correlation;
+  result.rms = alignment.sigma;
+  result.points = alignment.levels.empty() ? 0 : alignment.levels.back().points;
+}
+
+}  // namespace edvo

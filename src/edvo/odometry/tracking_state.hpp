@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// What tracking knows of the last good frame. A value: going back to an earlier state is an
+// assignment, and a lost frame leaves it as it is.
+#pragma once
+
+#include "edvo/align/photometric.hpp"
+#include "edvo/core/stamp.hpp"
+
+#include <optional>
+
+namespace edvo {
+
+struct TrackingState {
+  std::optional<Stamp> stamp;     // of the last good frame
+  Alignment alignment;            // of that frame to the reference keyframe
+  SE3 last_from_current;          // motion from the good frame before to it
+  double motion_seconds = 0;      // that this took, 0 = not known [s]
+  double usual_sigma = 0;         // of tracked frames' residuals, 0 = none yet [grey levels]
+  double keyframe_sharpness = 0;  // of the reference keyframe's image [grey levels^2]
+  int frames_since_keyframe = 0;
+  int moving_object_frames = 0;  // for which a second motion in the image is still expected
+};
+
+}  // namespace edvo
