@@ -83,6 +83,7 @@ RunDescription describe_run(const OpenedSequence& sequence, const std::string& m
 
 std::optional<GroundTruth> read_ground_truth(const Dataset& dataset,
                                              std::vector<std::string>& warnings) {
+  if (!dataset.poses.empty()) return GroundTruth{dataset.poses_source, dataset.poses};
   if (!dataset.ground_truth) return std::nullopt;
   try {
     TrajectoryFile file = read_trajectory(*dataset.ground_truth);

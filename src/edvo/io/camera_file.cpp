@@ -22,7 +22,8 @@ using std::filesystem::path;
 
 constexpr std::size_t kLargestCameraFile = std::size_t{1} << 20;  // [bytes]
 constexpr std::string_view kFormats =
-    "TOML (fx, fy, cx, cy), OpenCV YAML, ROS camera_info YAML, Kalibr camchain YAML or the numbers "
+    "TOML (fx, fy, cx, cy), OpenCV YAML, ROS camera_info YAML, Kalibr camchain YAML, JSON or the "
+    "numbers "
     "fx fy cx cy [k1 k2 p1 p2 [k3]]";
 
 std::string read_text(const path& file) {
@@ -66,7 +67,10 @@ std::optional<std::vector<double>> as_numbers(std::string text) {
 StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numbers) {
   StatedCamera camera;
   const std::size_t count = numbers.size();
-  if (count == 9 && numbers[1] == 0 && numbers[3] == 0) {
+  if (count == 16) {  // ScanNet: the matrix with a row and a column of the unit matrix
+    const auto n = [&](int i) { return numbers[static_cast<std::size_t>(i)]; };
+    set_matrix(camera, file, std::array{n(0), n(1), n(2), n(4), n(5), n(6), n(8), n(9), n(10)});
+  } else if (count == 9 && numbers[1] == 0 && numbers[3] == 0) {
     set_matrix(camera, file, numbers);
   } else if (count == 4 || count == 8 || count == 9) {
     camera.fx = numbers[0];
@@ -75,8 +79,8 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
     camera.cy = numbers[3];
     camera.distortion.assign(numbers.begin() + 4, numbers.end());
   } else {
-    fail_camera(file, fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3]] or a 3 x 3 matrix, that "
-                                  "is 4, 8 or 9 numbers, got {}",
+    fail_camera(file, fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3]] or a 3 x 3 or 4 x 4 "
+                                  "matrix, that is 4, 8, 9 or 16 numbers, got {}",
                                   count));
   }
   return camera;
@@ -141,6 +145,7 @@ StatedCamera parse_camera(const path& file, std::string_view text) {
   const std::string_view first_line = std::string_view(content).substr(0, content.find('\n'));
   if (first_line.front() == '<')
     fail_camera(file, fmt::format("XML is not read, expected {}", kFormats));
+  if (first_line.front() == '{') return parse_camera_json(file, text);
   const std::size_t sign = first_line.find_first_of("=:");
   const bool is_toml =
       first_line.front() == '[' || (sign != std::string_view::npos && first_line[sign] == '=');

@@ -16,7 +16,8 @@ namespace edvo {
 // - OpenCV YAML: camera_matrix, distortion_coefficients; or Camera.fx, Camera.k1
 // - ROS camera_info YAML: camera_matrix or K; plumb_bob
 // - Kalibr camchain YAML: cam0 is taken; pinhole with radtan or no distortion
-// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3]], or the 3 x 3 matrix row by row
+// - JSON: fx, fy, cx, cy (NICE-SLAM's cam_params.json), or Open3D's intrinsic_matrix
+// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3]], or the 3 x 3 or 4 x 4 matrix row by row
 // image_size is that of the images; an empty one is taken from the file. Throws
 // Error(kCalibration) if the file is none of these, has another camera model, is for images of
 // another size or cannot be right.

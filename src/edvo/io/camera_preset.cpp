@@ -31,6 +31,10 @@ constexpr auto kKnownCameras = std::to_array<KnownCamera>({
     {"TUM freiburg3",
      "freiburg3|(^|[^a-z0-9])fr3(?![0-9])",
      {.pinhole = {535.4, 539.2, 320.1, 247.6, kWidth, kHeight}}},
+    {"Bonn RGB-D Dynamic",
+     "rgbd_bonn",
+     {.pinhole = {542.822841, 542.576870, 315.593520, 237.756098, kWidth, kHeight},
+      .distortion = {0.039903, -0.099343, -0.000730, -0.000144, 0}}},
     {"ICL-NUIM",
      "(^|[^a-z])icl([^a-z]|$)|traj[0-3]n?_frei|"
      "(living[-_ ]?room|office|(^|[^a-z])lr|(^|[^a-z])of)[-_ ]?(traj|kt)[-_ ]?[0-3]",

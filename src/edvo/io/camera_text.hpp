@@ -29,4 +29,8 @@ void set_matrix(StatedCamera& camera, const std::filesystem::path& file,
 [[nodiscard]] StatedCamera parse_camera_yaml(const std::filesystem::path& file,
                                              std::string_view text);
 
+// The same for JSON: fx, fy, cx, cy, or Open3D's intrinsic_matrix; also inside "camera".
+[[nodiscard]] StatedCamera parse_camera_json(const std::filesystem::path& file,
+                                             std::string_view text);
+
 }  // namespace edvo

@@ -6,11 +6,13 @@
 #include "edvo/io/camera_preset.hpp"
 #include "edvo/io/dataset_layout.hpp"
 #include "edvo/io/image_file.hpp"
+#include "edvo/io/image_poses.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <string_view>
 #include <utility>
 
@@ -126,6 +128,15 @@ void check_existence(Dataset& dataset) {
       fmt::format("{}: {}; they will be skipped", dataset.root.string(), what));
 }
 
+void add_poses_beside_images(Dataset& dataset) {
+  std::optional<ImagePoses> poses = read_image_poses(dataset.root, dataset.frames);
+  if (!poses) return;
+  dataset.notes.push_back(fmt::format("ground truth: {}", poses->source));
+  dataset.warnings.insert(dataset.warnings.end(), poses->warnings.begin(), poses->warnings.end());
+  dataset.poses = std::move(poses->trajectory);
+  dataset.poses_source = std::move(poses->source);
+}
+
 DepthScale choose_depth_scale(const Dataset& dataset, const Listing& listing,
                               const DatasetOptions& options) {
   if (options.depth_scale) return {*options.depth_scale, "as given"};
@@ -140,8 +151,11 @@ struct StoredFrame {
   cv::Mat_<std::uint16_t> depth;
 };
 
-StoredFrame read_stored(const FrameEntry& frame) {
-  return {.bgr = read_colour(frame.colour), .depth = read_depth_raw(frame.depth)};
+StoredFrame read_stored(const FrameEntry& frame, bool shrink_colour) {
+  StoredFrame stored{.bgr = read_colour(frame.colour), .depth = read_depth_raw(frame.depth)};
+  if (shrink_colour && stored.bgr.size() != stored.depth.size() && stored.depth.total() > 0)
+    cv::resize(stored.bgr, stored.bgr, stored.depth.size(), 0, 0, cv::INTER_AREA);
+  return stored;
 }
 
 void check_sizes(const FrameEntry& frame, const StoredFrame& stored) {
@@ -158,7 +172,7 @@ StoredFrame first_readable_frame(const Dataset& dataset) {
   for (const FrameEntry& frame : dataset.frames) {
     StoredFrame stored;
     try {
-      stored = read_stored(frame);
+      stored = read_stored(frame, dataset.shrink_colour);
     } catch (const Error& error) {
       if (!first_error) first_error = error;
       continue;
@@ -195,9 +209,11 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
   dataset.frames = std::move(listing.frames);
   dataset.colour_count = listing.colour_count;
   dataset.depth_count = listing.depth_count;
+  dataset.shrink_colour = listing.shrink_colour;
   dataset.ground_truth = find_ground_truth(dataset.root);
   dataset.notes.insert(dataset.notes.end(), listing.notes.begin(), listing.notes.end());
   dataset.warnings = std::move(listing.warnings);
+  if (!dataset.ground_truth) add_poses_beside_images(dataset);
   check_places(dataset, is_archive);
   check_existence(dataset);
 
@@ -216,7 +232,7 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
 
 RgbdImage read_frame(const Dataset& dataset, std::size_t index) {
   const FrameEntry& frame = dataset.frames.at(index);
-  const StoredFrame stored = read_stored(frame);
+  const StoredFrame stored = read_stored(frame, dataset.shrink_colour);
   check_sizes(frame, stored);
   if (stored.bgr.size() != dataset.image_size)
     fail(frame.colour,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "edvo/core/rgbd_image.hpp"
+#include "edvo/core/trajectory.hpp"
 #include "edvo/io/depth_scale.hpp"
 
 #include <cstddef>
@@ -38,18 +39,24 @@ struct Dataset {
   std::vector<FrameEntry> frames;  // ordered by stamp
   std::size_t colour_count = 0;    // images found, paired or not
   std::size_t depth_count = 0;
-  cv::Size image_size;  // of the first frame that can be read, and so of all [px]
+  bool shrink_colour = false;  // to the size of the depth image
+  cv::Size image_size;         // of the first frame that can be read, and so of all [px]
   DepthScale depth_scale;
   std::optional<std::filesystem::path> ground_truth;  // a trajectory file in the root
-  std::vector<std::string> notes;                     // what was picked and why
-  std::vector<std::string> warnings;                  // what looks wrong but does not stop the run
+  Trajectory poses;                // without such a file: those beside the images (image_poses.hpp)
+  std::string poses_source;        // where they are
+  std::vector<std::string> notes;  // what was picked and why
+  std::vector<std::string> warnings;  // what looks wrong but does not stop the run
 };
 
 // Opens a folder, or an archive (tar, zip, also compressed) of one, in any of these layouts:
 //   rgb.txt + depth.txt                 TUM; colour and depth associated by time
 //   associations.txt, associate.txt...  stamp, file, stamp, file; colour or depth first
 //   rgb|color|... + depth|depths        folders of numbered images, no stamps
-//   *.color.png + *.depth.png           in one folder, numbered
+//   *.color.png + *.depth.png           in one folder, numbered (7-Scenes, BundleFusion)
+//   results/frame*.jpg + depth*.png     Replica as NICE-SLAM renders it
+// Colour larger than depth is refused, except in ScanNet's layout (color/, depth/, intrinsic/):
+// there it is shrunk to the depth's size, whose intrinsics then hold.
 // Throws Error(kInput) if there is no sequence, nothing fits together or no frame can be read,
 // Error(kOutput) if an archive cannot be unpacked.
 [[nodiscard]] Dataset open_dataset(const std::filesystem::path& source,

@@ -85,11 +85,15 @@ std::optional<Listing> list_two_folders(const fs::path& root, const DatasetOptio
   Listing listing = pair_numbered_files(colour, depth, options);
   listing.layout = fmt::format("numbered images in {} and {}", colour_folder->filename().string(),
                                depth_folder->filename().string());
+  if (std::error_code ignored; fs::is_directory(root / "intrinsic", ignored)) {
+    listing.layout = "ScanNet";
+    listing.shrink_colour = true;
+  }
   return listing;
 }
 
 std::optional<Listing> list_one_folder(const fs::path& root, const DatasetOptions& options) {
-  std::vector<fs::path> colour, depth;
+  std::vector<fs::path> colour, depth, frames;
   for (const fs::path& file : images_in(root)) {
     const std::string name = lower_case(file.filename().string());
     const auto says = [&](const char* word) { return name.find(word) != std::string::npos; };
@@ -97,11 +101,20 @@ std::optional<Listing> list_one_folder(const fs::path& root, const DatasetOption
       depth.push_back(file);
     } else if (says("color") || says("colour") || says("rgb")) {
       colour.push_back(file);
+    } else if (says("frame")) {
+      frames.push_back(file);
     }
   }
+  const bool is_replica = colour.empty() && !frames.empty();  // frame000000.jpg, depth000000.png
+  if (is_replica) colour = std::move(frames);
   if (colour.empty() || depth.empty()) return std::nullopt;
   Listing listing = pair_numbered_files(colour, depth, options);
   listing.layout = "numbered colour and depth images in one folder";
+  if (is_replica) {
+    constexpr double kReplicaScale = 6553.5;  // [units/m], cam_params.json of NICE-SLAM's Replica
+    listing.layout = "Replica, frame* and depth* in one folder";
+    listing.usual_depth_scale = kReplicaScale;
+  }
   return listing;
 }
 

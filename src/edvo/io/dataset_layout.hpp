@@ -12,6 +12,7 @@ struct Listing {
   std::vector<FrameEntry> frames;  // ordered by stamp
   std::size_t colour_count = 0, depth_count = 0;
   double usual_depth_scale = 5000;  // [units/m] of this layout
+  bool shrink_colour = false;       // see Dataset
   std::vector<std::string> notes, warnings;
 };
 
