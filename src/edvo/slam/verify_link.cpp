@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/slam/verify_link.hpp"
+
+#include "edvo/core/random.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+constexpr std::size_t kFeatures = 400;  // per keyframe
+constexpr int kFreeSpaceStep = 8;       // [px] between the pixels that are tested
+
+std::vector<SelectedPixel> selected_pixels(const Keyframe& keyframe, const Camera& camera) {
+  std::vector<SelectedPixel> pixels;
+  pixels.reserve(keyframe.points.size());
+  for (const ColoredPoint& point : keyframe.points) {
+    const Eigen::Vector2d p = project(camera, point.position.cast<double>());
+    pixels.push_back(
+        {.pixel = {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))},
+         .depth = point.position.z()});
+  }
+  return pixels;
+}
+
+std::uint64_t pair_seed(const LinkReport& report) {
+  return mix(mix(static_cast<std::uint64_t>(report.from)) + static_cast<std::uint64_t>(report.to));
+}
+
+// from_pose_to by the corners of both; sets the status where there is none.
+std::optional<SE3> motion_of_corners(const KeyframeView& from, const KeyframeView& to,
+                                     const LinkOptions& options, LinkReport& report) {
+  const std::vector<FeatureMatch> matches = match_features(to.features, from.features);
+  report.matches = static_cast<int>(matches.size());
+  report.status = LinkStatus::kFewMatches;
+  if (report.matches < options.min_matches) return std::nullopt;
+  const RigidMotion motion =
+      estimate_motion(to.features, from.features, matches, pair_seed(report));
+  report.inliers = static_cast<int>(motion.inliers.size());
+  report.status = LinkStatus::kNoMotion;
+  if (report.inliers < options.min_inliers) return std::nullopt;
+  return motion.b_from_a;
+}
+
+// Direct alignment in both directions; from_pose_to lies halfway between the two.
+bool align_both_ways(const KeyframeView& from, const KeyframeView& to, const SE3& guess,
+                     const AlignOptions& tracking, LinkReport& report) {
+  report.status = LinkStatus::kNotAligned;
+  const AlignResult forth =
+      align(from.reference, to.frame, {.cur_from_ref = inverse(guess)}, tracking);
+  if (forth.status != AlignStatus::kTracked) return false;
+  const AlignResult back = align(to.reference, from.frame, {.cur_from_ref = guess}, tracking);
+  if (back.status != AlignStatus::kTracked) return false;
+  const SE3& to_pose_from = forth.alignment.cur_from_ref;
+  const SE3 product = to_pose_from * back.alignment.cur_from_ref;
+  report.translation_difference = product.translation.norm();
+  report.rotation_difference = rotation_angle(product);
+  report.from_pose_to = inverse(to_pose_from) * exp(0.5 * log(product));
+  report.overlap = std::min(forth.overlap, back.overlap);
+  report.correlation = std::min(forth.correlation, back.correlation);
+  // Both see the same pixels: their information is not that of two measurements.
+  const Matrix6d across = adjoint(inverse(to_pose_from));
+  report.information = 0.5 * (across.transpose() * forth.information * across + back.information);
+  return true;
+}
+
+// Farthest inverse depth around a pixel, so that a jump is not taken for free space; NaN = none.
+float nearest_inverse_depth(const Depth& depth, int x, int y) {
+  float nearest = std::numeric_limits<float>::quiet_NaN();
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const float inverse_z = 1.F / depth(y + dy, x + dx);
+      if (!(nearest >= inverse_z) && inverse_z > 0) nearest = inverse_z;
+    }
+  return nearest;
+}
+
+// Share of one keyframe's surface that the other looks through.
+double seen_through(const Frame& surface, const Frame& viewer, const SE3& viewer_from_surface,
+                    double tolerance) {
+  const Camera& camera = viewer.levels.front().camera;
+  int through = 0, same = 0;
+  for (int y = kFreeSpaceStep / 2; y < surface.depth.rows(); y += kFreeSpaceStep)
+    for (int x = kFreeSpaceStep / 2; x < surface.depth.cols(); x += kFreeSpaceStep) {
+      const float z = surface.depth(y, x);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3d p =
+          viewer_from_surface * back_project(camera, x, y, static_cast<double>(z));
+      if (p.z() < 0.1) continue;
+      const Eigen::Vector2d pixel = project(camera, p);
+      if (!(pixel.x() > 1 && pixel.y() > 1 && pixel.x() < camera.width - 2 &&
+            pixel.y() < camera.height - 2))
+        continue;
+      const float measured =
+          nearest_inverse_depth(viewer.depth, static_cast<int>(std::lround(pixel.x())),
+                                static_cast<int>(std::lround(pixel.y())));
+      if (std::isnan(measured)) continue;
+      const double error = 1 / p.z() - static_cast<double>(measured);
+      if (error > tolerance) ++through;
+      if (std::abs(error) <= tolerance) ++same;
+    }
+  return same + through > 0 ? static_cast<double>(through) / (same + through) : 1.0;
+}
+
+LinkStatus judge(const KeyframeView& from, const KeyframeView& to, const LinkOptions& options,
+                 LinkReport& report) {
+  if (report.translation_difference > options.max_translation_difference ||
+      report.rotation_difference > options.max_rotation_difference)
+    return LinkStatus::kDisagreement;
+  if (report.overlap < options.min_overlap) return LinkStatus::kLittleOverlap;
+  if (report.correlation < options.min_correlation) return LinkStatus::kLowCorrelation;
+  report.seen_through = std::max(
+      seen_through(to.frame, from.frame, report.from_pose_to, options.depth_tolerance),
+      seen_through(from.frame, to.frame, inverse(report.from_pose_to), options.depth_tolerance));
+  if (report.seen_through > options.max_seen_through) return LinkStatus::kSeenThrough;
+  return LinkStatus::kAccepted;
+}
+
+}  // namespace
+
+KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
+                       const AlignOptions& tracking) {
+  KeyframeView view{.keyframe = keyframe, .frame = {}, .reference = {}, .features = {}};
+  view.frame =
+      make_frame({.stamp = keyframe->stamp, .bgr = keyframe->bgr, .depth = keyframe->depth},
+                 make_undistortion({.pinhole = camera}), tracking.coarsest_level + 1);
+  view.reference = make_reference(view.frame, selected_pixels(*keyframe, camera),
+                                  {.gradient_weight_scale = tracking.gradient_weight_scale,
+                                   .finest_level = tracking.finest_level,
+                                   .coarsest_level = tracking.coarsest_level});
+  if (tracking.depth_weight > 0)
+    view.reference.surface =
+        make_surface(view.frame.depth, camera, tracking.surface_cell, tracking.depth_noise);
+  view.features = describe_corners(view.frame, kFeatures);
+  return view;
+}
+
+LinkReport verify_link(const KeyframeView& from, const KeyframeView& to,
+                       const std::optional<SE3>& guess, const AlignOptions& tracking,
+                       const LinkOptions& options) {
+  LinkReport report{.from = from.keyframe->id, .to = to.keyframe->id};
+  if (guess && align_both_ways(from, to, *guess, tracking, report)) {
+    report.status = judge(from, to, options, report);
+    if (report.status == LinkStatus::kAccepted) return report;
+  }
+  const std::optional<SE3> motion = motion_of_corners(from, to, options, report);
+  if (motion && align_both_ways(from, to, *motion, tracking, report))
+    report.status = judge(from, to, options, report);
+  return report;
+}
+
+}  // namespace edvo
