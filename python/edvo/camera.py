@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: MIT
+"""Cameras."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo import _core
+
+CameraTuple = tuple[
+    float, float, float, float, int, int, tuple[float, float, float, float, float]
+]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera with Brown-Conrady lens distortion.
+
+    Focal lengths and principal point in pixels; pixel centres are integers. ``fy`` may be negative
+    (ICL-NUIM's y axis points up). ``distortion`` is k1 k2 p1 p2 k3 in OpenCV's order and model.
+    """
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    width: int
+    height: int
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if len(self.distortion) > 5:
+            raise ValueError(
+                f"distortion has {len(self.distortion)} coefficients, at most k1 k2 p1 p2 k3"
+            )
+        padded = [float(value) for value in self.distortion] + [0.0] * (5 - len(self.distortion))
+        object.__setattr__(self, "distortion", tuple(padded))
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The 3 x 3 matrix K."""
+        return np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1]], float)
+
+    def scaled_to(self, width: int, height: int) -> Camera:
+        """The same camera for images resized to width x height.
+
+        Resizing keeps the borders of the image, half a pixel outside the outermost centres.
+        """
+        sx, sy = width / self.width, height / self.height
+        return Camera(
+            self.fx * sx,
+            self.fy * sy,
+            (self.cx + 0.5) * sx - 0.5,
+            (self.cy + 0.5) * sy - 0.5,
+            width,
+            height,
+            self.distortion,
+        )
+
+    @staticmethod
+    def read(file: str | Path, width: int = 0, height: int = 0) -> Camera:
+        """Reads edvo's TOML, OpenCV's or ROS's YAML, a Kalibr camchain or plain numbers.
+
+        The size is needed where the file does not say it.
+        """
+        return from_tuple(_core.read_camera(Path(file), width, height))
+
+    def to_toml(self) -> str:
+        """The camera as ``edvo run --camera`` reads it, to the last bit."""
+        return _core.camera_to_toml(as_tuple(self))
+
+
+def as_tuple(camera: Camera) -> CameraTuple:
+    return (
+        float(camera.fx),
+        float(camera.fy),
+        float(camera.cx),
+        float(camera.cy),
+        int(camera.width),
+        int(camera.height),
+        camera.distortion,
+    )
+
+
+def from_tuple(values: CameraTuple) -> Camera:
+    fx, fy, cx, cy, width, height, distortion = values
+    k1, k2, p1, p2, k3 = distortion
+    return Camera(fx, fy, cx, cy, width, height, (k1, k2, p1, p2, k3))

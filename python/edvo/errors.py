@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+"""The one exception type of edvo."""
+
+from __future__ import annotations
+
+
+class Error(RuntimeError):
+    """Bad input from outside, said as what, where and which value.
+
+    ``code`` is the exit status that the program gives for it (docs/errors.md): 2 usage, 3 input,
+    4 configuration, 5 calibration, 6 model, 7 output, 8 evaluation, 9 tracking lost.
+    """
+
+    def __init__(self, message: str, code: int = 1) -> None:
+        super().__init__(message)
+        self.code = code
+
+    def __reduce__(self) -> tuple[type[Error], tuple[str, int]]:
+        return Error, (str(self), self.code)
+
+
+def missing_extra(purpose: str, package: str, extra: str) -> Error:
+    """What is raised where a part of edvo needs a package that is not installed."""
+    return Error(f"{purpose} needs the package {package}: pip install 'edvo[{extra}]'", code=2)

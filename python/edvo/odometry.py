@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""Options, the odometry and what it says about each frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo import _core
+from edvo.camera import Camera, as_tuple
+from edvo.images import check_depth, check_rgb
+from edvo.stamp import Seconds, nanoseconds
+from edvo.trajectory import Trajectory
+
+Value = bool | int | float | str
+
+
+def spelled(name: str, value: Value) -> str:
+    """One option as the program's ``--set`` takes it."""
+    if isinstance(value, bool):
+        return f"{name}={'true' if value else 'false'}"
+    if isinstance(value, str):
+        return f'{name}="{value}"'
+    return f"{name}={value!r}"
+
+
+@dataclass(frozen=True, init=False)
+class Options:
+    """Options of the odometry: a method's, and what differs from them.
+
+    ``Options("canny+corner", **{"keyframes.period": 30})``; ``edvo config`` prints every option
+    with its meaning and range. Raises ``edvo.Error`` (code 4) for unknown names and values out of
+    range.
+    """
+
+    method: str
+    changes: tuple[str, ...]  # "group.field=value"
+    toml: str  # all options, as edvo run --config reads them
+
+    def __init__(self, method: str = _core.default_method, **options: Value) -> None:
+        changes = tuple(spelled(name, value) for name, value in options.items())
+        object.__setattr__(self, "method", method)
+        object.__setattr__(self, "changes", changes)
+        object.__setattr__(self, "toml", _core.options_toml(method, list(changes)))
+
+
+@dataclass(frozen=True)
+class LevelStats:
+    """The alignment at one level of the image pyramid."""
+
+    level: int  # 0 = full size
+    iterations: int
+    points: int  # residuals
+    cost: float  # mean robust cost at the end [residual sigmas squared]
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class FrameResult:
+    """What the odometry says about one frame."""
+
+    stamp_ns: int
+    status: str  # "first", "tracked", "lost", "restarted" or "relocalized"
+    loss_cause: str  # why it is lost; "none" if it is not
+    segment: int  # poses of different segments do not belong together
+    pose: NDArray[np.float64]  # 4 x 4, world_from_camera as known now; if lost, the last good one
+    keyframe: int  # that the frame was aligned to, -1 = there is none yet
+    keyframe_from_camera: NDArray[np.float64]  # 4 x 4
+    # 6 x 6, inverse covariance of xi in keyframe_from_camera * exp(xi), xi = (rho [m], phi [rad])
+    information: NDArray[np.float64]
+    points: int  # residuals of the finest level
+    inlier_ratio: float  # [0..1] of the points in view
+    overlap: float  # [0..1] of the keyframe's points in view
+    rms: float  # photometric, of inliers [grey levels]
+    new_keyframe: str | None  # why the frame became a keyframe; None if it did not
+    levels: tuple[LevelStats, ...]  # coarse to fine
+    milliseconds: dict[str, float]  # where the time went [ms]
+
+    @property
+    def stamp(self) -> float:
+        """[s]"""
+        return self.stamp_ns * 1e-9
+
+    @property
+    def ok(self) -> bool:
+        """The pose is an estimate, not a guess."""
+        return self.status in ("first", "tracked", "relocalized")
+
+
+def result_from(fields: dict[str, Any]) -> FrameResult:
+    levels = tuple(LevelStats(**level) for level in fields.pop("levels"))
+    return FrameResult(levels=levels, **fields)
+
+
+class Odometry:
+    """RGB-D images in, poses out. The world is the camera frame of the first usable image.
+
+    ``options``: an ``Options``, or keywords "group.field" over those of ``method``::
+
+        odometry = edvo.Odometry(camera, **{"keyframes.period": 30})
+    """
+
+    def __init__(
+        self,
+        camera: Camera,
+        options: Options | None = None,
+        *,
+        method: str = _core.default_method,
+        depth_scale: float | None = None,
+        **changes: Value,
+    ) -> None:
+        if options is not None and (changes or method != _core.default_method):
+            raise ValueError("give options, or a method and keywords, not both")
+        self.camera = camera
+        self.options = options if options is not None else Options(method, **changes)
+        self.depth_scale = depth_scale
+        self._core = _core.Odometry(
+            as_tuple(camera), self.options.method, list(self.options.changes)
+        )
+
+    def process(
+        self,
+        stamp: Seconds,
+        rgb: NDArray[np.uint8],
+        depth: NDArray[Any],
+        depth_scale: float | None = None,
+    ) -> FrameResult:
+        """Tracks one image; other Python threads run meanwhile.
+
+        ``stamp`` in seconds, later than the one before. ``rgb``: H x W x 3, uint8, RGB. ``depth``:
+        H x W, registered to ``rgb``; float32 in metres (NaN or 0 = none), or uint16 with
+        ``depth_scale`` units per metre (0 and 65535 = none). Raises TypeError and ValueError for
+        arrays that do not fit, ``edvo.Error`` for images out of order; then nothing has changed.
+        """
+        return self.process_ns(*nanoseconds(stamp), rgb, depth, depth_scale)
+
+    def process_ns(
+        self,
+        stamp_ns: int,
+        decimals: int,
+        rgb: NDArray[np.uint8],
+        depth: NDArray[Any],
+        depth_scale: float | None = None,
+    ) -> FrameResult:
+        """The same with a stamp in nanoseconds and the decimals that files keep of it."""
+        width, height = self.camera.width, self.camera.height
+        rgb = check_rgb(rgb, width, height)
+        depth = check_depth(depth, width, height)
+        if depth.dtype == np.uint16:
+            scale = depth_scale if depth_scale is not None else self.depth_scale
+            if scale is None:
+                raise ValueError(
+                    "depth: uint16 needs depth_scale, its units per metre (1000: millimetres, "
+                    "5000: TUM)"
+                )
+            if not scale > 0:
+                raise ValueError(f"depth_scale {scale}: must be positive")
+            fields = self._core.process_units(stamp_ns, decimals, rgb, depth, scale)
+        else:
+            fields = self._core.process_metres(stamp_ns, decimals, rgb, depth)
+        return result_from(fields)
+
+    def finish(self) -> None:
+        """Refines the last keyframes to the end: once after the last image."""
+        self._core.finish()
+
+    def reset(self) -> None:
+        """As if no image had come."""
+        self._core.reset()
+
+    def trajectory(self) -> Trajectory:
+        """The best present estimate of every tracked frame; later frames may still change it."""
+        stamps, decimals, values = self._core.trajectory()
+        return Trajectory(stamps, values, decimals)
+
+    def keyframes(self) -> Trajectory:
+        """The keyframes' poses."""
+        stamps, decimals, values = self._core.keyframes()
+        return Trajectory(stamps, values, decimals)

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: MIT
+"""RGB-D in ROS 1 and ROS 2 recordings, without ROS; RealSense's own .bag among them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo.camera import Camera
+from edvo.errors import Error
+from edvo.registration import DepthRegistration
+from edvo.sources import messages
+from edvo.sources.bag_reader import open_bag
+from edvo.sources.base import Frame, Source
+from edvo.sources.transforms import TransformTree
+from edvo.trajectory import Trajectory
+
+LARGEST_GAP_NS = 20_000_000  # between a colour image and its depth
+IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+INFO = "sensor_msgs/msg/CameraInfo"
+TF = "tf2_msgs/msg/TFMessage"
+POSES = (
+    "nav_msgs/msg/Odometry",
+    "geometry_msgs/msg/PoseStamped",
+    "geometry_msgs/msg/TransformStamped",
+)
+TRUTH_WORDS = ("truth", "gt", "vicon", "mocap", "optitrack", "vrpn", "pose", "odom")
+
+
+class BagSource(Source):
+    """Topics are guessed from types, encodings and names, and can be chosen.
+
+    Depth in metres (32FC1) or millimetres (16-bit) unless ``depth_scale`` says otherwise; depth of
+    a camera of its own is registered to colour by TF or the recording's extrinsics.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        camera: Camera | str | Path | None = None,
+        depth_scale: float | None = None,
+        colour_topic: str | None = None,
+        depth_topic: str | None = None,
+    ) -> None:
+        super().__init__()
+        self._path = Path(path)
+        self.name = self._path.stem
+        self._units = depth_scale
+        with open_bag(self._path) as reader:
+            first = first_messages(reader, IMAGES)
+            self._colour = choose_topic(first, "colour", colour_topic, self._path)
+            self._depth = choose_topic(first, "depth", depth_topic, self._path)
+            self._tree = read_tree(reader)
+            self._choose_units(reader, first[self._depth])
+            self._choose_cameras(reader, camera, first)
+            self.ground_truth = self._find_truth(reader, first[self._colour].header.frame_id)
+            topic = reader.topics[self._colour]
+            self.frames = topic.msgcount
+        self.origin = f"{path} ({self._colour}, {self._depth})"
+        self.notes.insert(0, f"colour from {self._colour}, depth from {self._depth}")
+
+    def _choose_units(self, reader: Any, message: Any) -> None:
+        if self._units is not None:
+            self.notes.append(f"depth: {self._units} units per metre (as given)")
+            return
+        compressed = getattr(message, "format", "").startswith("32FC1")
+        if compressed or getattr(message, "encoding", "") == "32FC1":
+            self.notes.append("depth: metres (32FC1)")
+            return
+        for name, topic in reader.topics.items():
+            if "Depth_Units" in name or "Depth Units" in name:
+                if topic.msgtype and topic.msgtype.endswith("Float32"):
+                    value = float(first_message(reader, name).data)
+                    self._units = float(np.float32(1) / np.float32(value))
+                    self.notes.append(f"depth: {self._units:g} units per metre ({name})")
+                    return
+        self._units = messages.MILLIMETRES
+        self.notes.append("depth: millimetres (16-bit; --depth-scale says otherwise)")
+
+    def _choose_cameras(
+        self, reader: Any, camera: Camera | str | Path | None, first: dict[str, Any]
+    ) -> None:
+        colour = messages.decode_colour(first[self._colour])
+        depth = messages.decode_depth(first[self._depth], self._units)
+        info = nearest_info(reader, self._colour)
+        if isinstance(camera, Camera):
+            self.camera = camera
+        elif camera is not None:
+            self.camera = Camera.read(camera, colour.shape[1], colour.shape[0])
+            self.camera_origin = f"{camera}, as given"
+        elif info is not None:
+            self.camera = messages.camera_from(first_message(reader, info))
+            self.camera_origin = f"CameraInfo of {info}"
+        else:
+            raise Error(
+                f"{self._path}: no CameraInfo beside {self._colour}; give the calibration "
+                "with --camera FILE",
+                code=5,
+            )
+        self._registration = self._find_registration(reader, first, depth)
+
+    def _find_registration(
+        self, reader: Any, first: dict[str, Any], depth: NDArray[np.float32]
+    ) -> DepthRegistration | None:
+        """None where depth is registered already."""
+        info = nearest_info(reader, self._depth)
+        size = (self.camera.width, self.camera.height)
+        same_size = (depth.shape[1], depth.shape[0]) == size
+        if any(word in self._depth for word in ("aligned", "registered")) and same_size:
+            self.notes.append("depth is registered to colour (by the name of its topic)")
+            return None
+        if info is None:
+            if same_size:
+                self.warnings.append(
+                    f"no CameraInfo beside {self._depth}: depth is taken as registered to colour"
+                )
+                return None
+            raise Error(
+                f"{self._path}: depth has {depth.shape[1]} x {depth.shape[0]} pixels, colour "
+                f"{size[0]} x {size[1]}, and no CameraInfo says how they belong together",
+                code=5,
+            )
+        depth_camera = messages.camera_from(first_message(reader, info))
+        motion = self._colour_from_depth(reader, first)
+        if motion is None:
+            if same_size and np.allclose(depth_camera.matrix, self.camera.matrix, atol=0.5):
+                self.notes.append("depth has the camera of colour: it is taken as registered")
+                return None
+            self.warnings.append(
+                "depth has another camera than colour, and no transform between them is known: "
+                "they are taken as being in one place"
+            )
+            motion = np.eye(4)
+        if same_size and np.allclose(motion, np.eye(4), atol=1e-4):
+            if np.allclose(depth_camera.matrix, self.camera.matrix, atol=0.5):
+                return None
+        self.notes.append(
+            "depth is registered to colour here: baseline "
+            f"{1000 * float(np.linalg.norm(motion[:3, 3])):.1f} mm"
+        )
+        return DepthRegistration(depth_camera, self.camera, motion)
+
+    def _colour_from_depth(self, reader: Any, first: dict[str, Any]) -> NDArray[np.float64] | None:
+        # RealSense's recorder: x_stream = transform * x_reference, one message a stream.
+        names = [t.rsplit("/image/", 1)[0] + "/tf/0" for t in (self._colour, self._depth)]
+        if all(name in reader.topics for name in names):
+            colour, depth = (first_message(reader, name) for name in names)
+            a = messages.pose_from(colour.translation, colour.rotation)
+            b = messages.pose_from(depth.translation, depth.rotation)
+            return np.asarray(a @ np.linalg.inv(b))
+        return self._tree.between(
+            first[self._colour].header.frame_id, first[self._depth].header.frame_id
+        )
+
+    def _find_truth(self, reader: Any, camera_frame: str) -> Trajectory | None:
+        trajectory = self._tree.trajectory_of(camera_frame)
+        if trajectory is not None:
+            self.notes.append(
+                f"ground truth: TF from {self._tree.root_of(camera_frame)} to {camera_frame}"
+            )
+            return trajectory
+        candidates = [
+            name
+            for name, topic in reader.topics.items()
+            if topic.msgtype in POSES and any(w in name.lower() for w in TRUTH_WORDS)
+        ]
+        candidates.sort(key=lambda n: next(i for i, w in enumerate(TRUTH_WORDS) if w in n.lower()))
+        for name in candidates:
+            trajectory = read_poses(reader, name)
+            if trajectory is not None and len(trajectory) > 2:
+                self.notes.append(f"ground truth: {name}, taken as the pose of the camera")
+                return trajectory
+        return None
+
+    def __iter__(self) -> Iterator[Frame]:
+        with open_bag(self._path) as reader:
+            yield from self._pair(reader)
+
+    def _pair(self, reader: Any) -> Iterator[Frame]:
+        """Each colour image with the depth nearest in time, each depth once."""
+        colours: deque[Any] = deque()
+        depths: deque[Any] = deque()
+        connections = [c for c in reader.connections if c.topic in (self._colour, self._depth)]
+        for connection, _, raw in reader.messages(connections=connections):
+            message = reader.deserialize(raw, connection.msgtype)
+            (colours if connection.topic == self._colour else depths).append(message)
+            while colours and depths:
+                if messages.stamp_ns(depths[-1]) < messages.stamp_ns(colours[0]):
+                    if len(depths) < 60:
+                        break
+                frame = self._match(colours, depths)
+                if frame is not None:
+                    yield frame
+        while colours and depths:
+            frame = self._match(colours, depths)
+            if frame is not None:
+                yield frame
+
+    def _match(self, colours: deque[Any], depths: deque[Any]) -> Frame | None:
+        colour = colours.popleft()
+        stamp = messages.stamp_ns(colour)
+        gaps = [abs(messages.stamp_ns(depth) - stamp) for depth in depths]
+        nearest = int(np.argmin(gaps))
+        if gaps[nearest] > LARGEST_GAP_NS:
+            while len(depths) > 1 and messages.stamp_ns(depths[0]) < stamp - LARGEST_GAP_NS:
+                depths.popleft()
+            return None
+        for _ in range(nearest):
+            depths.popleft()
+        depth = messages.decode_depth(depths.popleft(), self._units)
+        if self._registration is not None:
+            depth = self._registration(depth)
+        return Frame(stamp, messages.decode_colour(colour), depth)
+
+
+def first_message(reader: Any, topic: str) -> Any:
+    connections = [c for c in reader.connections if c.topic == topic]
+    for connection, _, raw in reader.messages(connections=connections):
+        return reader.deserialize(raw, connection.msgtype)
+    raise Error(f"{topic}: no message", code=3)
+
+
+def first_messages(reader: Any, kinds: tuple[str, ...]) -> dict[str, Any]:
+    return {
+        name: first_message(reader, name)
+        for name, topic in reader.topics.items()
+        if topic.msgtype in kinds and topic.msgcount > 0
+    }
+
+
+def choose_topic(first: dict[str, Any], kind: str, wanted: str | None, path: Path) -> str:
+    known = sorted(name for name, message in first.items() if messages.kind_of(message) == kind)
+    flag = f"--{kind}-topic"
+    if wanted is not None:
+        if wanted not in first:
+            raise Error(f"{flag} {wanted}: not in {path}; its images: {', '.join(first)}", code=2)
+        return wanted
+    if not known:
+        raise Error(
+            f"{path}: no {kind} images; its image topics: {', '.join(first) or 'none'}", code=3
+        )
+
+    def rank(name: str) -> tuple[int, ...]:
+        low = name.lower()
+        if kind == "depth":
+            words: tuple[str, ...] = ("aligned", "registered", "depth")
+        else:
+            words = ("rgb", "color", "colour")
+        message = first[name]
+        return (
+            -sum(word in low for word in words),
+            sum(word in low for word in ("infra", "/ir", "fisheye", "mono", "left", "right")),
+            1 if getattr(message, "encoding", "") in ("mono8", "8UC1") else 0,
+            1 if hasattr(message, "format") else 0,  # raw before compressed
+            len(name),
+        )
+
+    return min(known, key=rank)
+
+
+def nearest_info(reader: Any, image_topic: str) -> str | None:
+    """The CameraInfo topic that shares most of its name with the images' topic."""
+    parts = image_topic.split("/")
+    best: tuple[int, str] | None = None
+    for name, topic in reader.topics.items():
+        if topic.msgtype != INFO or topic.msgcount == 0:
+            continue
+        shared = 0
+        for a, b in zip(parts, name.split("/")):
+            if a != b:
+                break
+            shared += 1
+        if shared >= 2 and (best is None or shared > best[0]):
+            best = (shared, name)
+    return best[1] if best else None
+
+
+def read_tree(reader: Any) -> TransformTree:
+    tree = TransformTree()
+    connections = [c for c in reader.connections if c.msgtype in (TF, "tf/msg/tfMessage")]
+    if not connections:
+        return tree
+    for connection, _, raw in reader.messages(connections=connections):
+        for link in reader.deserialize(raw, connection.msgtype).transforms:
+            pose = messages.pose_from(link.transform.translation, link.transform.rotation)
+            tree.add(link.header.frame_id, link.child_frame_id, messages.stamp_ns(link), pose)
+    return tree
+
+
+def read_poses(reader: Any, topic: str) -> Trajectory | None:
+    stamps: list[int] = []
+    poses: list[NDArray[np.float64]] = []
+    connections = [c for c in reader.connections if c.topic == topic]
+    for connection, _, raw in reader.messages(connections=connections):
+        message = reader.deserialize(raw, connection.msgtype)
+        if hasattr(message, "transform"):
+            pose = messages.pose_from(message.transform.translation, message.transform.rotation)
+        else:
+            inner = message.pose.pose if hasattr(message.pose, "pose") else message.pose
+            pose = messages.pose_from(inner.position, inner.orientation)
+        if not stamps or messages.stamp_ns(message) > stamps[-1]:
+            stamps.append(messages.stamp_ns(message))
+            poses.append(pose)
+    if not stamps:
+        return None
+    return Trajectory.from_poses(np.array(stamps, np.int64), np.array(poses))

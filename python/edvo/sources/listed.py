@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: MIT
+"""Frames of which each is two files, read and decoded when their turn comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo.registration import DepthRegistration
+from edvo.sources.base import Frame, Source
+
+
+@dataclass(frozen=True)
+class Entry:
+    stamp_ns: int
+    colour: Callable[[], NDArray[np.uint8]]  # H x W x 3, RGB
+    depth: Callable[[], NDArray[np.float32]]  # [m]
+
+
+class ListedSource(Source):
+    """``registration``, if there is one, brings each depth image to the colour camera."""
+
+    def __init__(
+        self, entries: list[Entry], registration: DepthRegistration | None = None
+    ) -> None:
+        super().__init__()
+        self.entries = entries
+        self.registration = registration
+        self.frames = len(entries)
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __getitem__(self, index: int) -> Frame:
+        entry = self.entries[index]
+        rgb, depth = entry.colour(), entry.depth()
+        if self.registration is not None:
+            depth = self.registration(depth)
+        return Frame(entry.stamp_ns, rgb, depth)
+
+    def __iter__(self) -> Iterator[Frame]:
+        for index in range(len(self.entries)):
+            yield self[index]
+
+
+def shrunk(rgb: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
+    """The mean of factor x factor pixels; what does not fill a block is cut off."""
+    if factor == 1:
+        return rgb
+    height, width = rgb.shape[0] // factor, rgb.shape[1] // factor
+    blocks = rgb[: height * factor, : width * factor].reshape(height, factor, width, factor, 3)
+    return np.ascontiguousarray((blocks.mean(axis=(1, 3)) + 0.5).astype(np.uint8))

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: MIT
+"""Images, cameras and poses in ROS messages."""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo.camera import Camera
+from edvo.errors import Error, missing_extra
+from edvo.sources.base import metres
+
+COLOUR = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4, "8UC3": 3, "mono8": 1, "8UC1": 1}
+BAYER = {"bayer_rggb8": "BG", "bayer_bggr8": "RG", "bayer_gbrg8": "GR", "bayer_grbg8": "GB"}
+DEPTH = {"16UC1", "mono16", "32FC1", "Z16"}
+MILLIMETRES = 1000.0  # REP 118: 16-bit depth
+
+
+def opencv() -> Any:
+    try:
+        import cv2
+    except ImportError:
+        raise missing_extra("decoding compressed images", "opencv-python-headless", "ros") from None
+    return cv2
+
+
+def stamp_ns(message: Any) -> int:
+    stamp = message.header.stamp
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def rows(message: Any, dtype: str, channels: int) -> NDArray[Any]:
+    """The pixels of an Image message; rows may be padded."""
+    order = ">" if message.is_bigendian else "<"
+    kind = np.dtype(dtype).newbyteorder(order)
+    width = message.width * channels * kind.itemsize
+    data = np.asarray(message.data, np.uint8)
+    if message.step < width or data.size < message.step * message.height:
+        raise Error(
+            f"image of {message.width} x {message.height} px, {message.encoding}: "
+            f"{data.size} bytes, {message.step} a row, are too few",
+            code=3,
+        )
+    lines = data[: message.step * message.height].reshape(message.height, message.step)
+    pixels = np.ascontiguousarray(lines[:, :width]).view(kind).astype(dtype, copy=False)
+    return pixels.reshape((message.height, message.width, channels)[: 3 if channels > 1 else 2])
+
+
+def kind_of(message: Any) -> str:
+    """"colour", "depth" or "" (neither)."""
+    if hasattr(message, "format"):
+        text = message.format.lower()
+        return "depth" if "compresseddepth" in text else "colour"
+    if message.encoding in DEPTH:
+        return "depth"
+    return "colour" if message.encoding in COLOUR or message.encoding in BAYER else ""
+
+
+def decode_colour(message: Any) -> NDArray[np.uint8]:
+    """H x W x 3, RGB."""
+    if hasattr(message, "format"):
+        cv2 = opencv()
+        bgr = cv2.imdecode(np.asarray(message.data, np.uint8), cv2.IMREAD_COLOR)
+        if bgr is None:
+            raise Error(f"compressed image ({message.format}): cannot be decoded", code=3)
+        return np.ascontiguousarray(bgr[:, :, ::-1])
+    encoding = message.encoding
+    if encoding in BAYER:
+        cv2 = opencv()
+        code = getattr(cv2, f"COLOR_Bayer{BAYER[encoding]}2RGB")
+        return np.asarray(cv2.cvtColor(rows(message, "uint8", 1), code), np.uint8)
+    if encoding not in COLOUR:
+        raise Error(f"image encoding {encoding}: not read; known are {', '.join(COLOUR)}", code=3)
+    pixels = rows(message, "uint8", COLOUR[encoding])
+    if pixels.ndim == 2:
+        return np.repeat(pixels[:, :, None], 3, axis=2)
+    ordered = pixels[:, :, 2::-1] if encoding in ("bgr8", "bgra8", "8UC3") else pixels[:, :, :3]
+    return np.ascontiguousarray(ordered)
+
+
+def decode_depth(message: Any, units_per_metre: float | None) -> NDArray[np.float32]:
+    """H x W, [m]. Units by the encoding: 32FC1 metres, 16-bit millimetres unless given."""
+    units = units_per_metre or MILLIMETRES
+    if hasattr(message, "format"):
+        return decode_compressed_depth(message, units)
+    if message.encoding == "32FC1":
+        return metres(rows(message, "float32", 1), 1.0)
+    if message.encoding not in DEPTH:
+        raise Error(f"depth encoding {message.encoding}: not read", code=3)
+    return metres(rows(message, "uint16", 1), units)
+
+
+def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
+    """image_transport's compressedDepth: a header of 12 bytes, then a PNG."""
+    if "rvl" in message.format.lower():
+        raise Error(f"depth compressed as {message.format}: RVL is not read, only PNG", code=3)
+    cv2 = opencv()
+    data = np.asarray(message.data, np.uint8)
+    _, a, b = struct.unpack("<iff", data[:12].tobytes())
+    image = cv2.imdecode(data[12:], cv2.IMREAD_UNCHANGED)
+    if image is None or image.dtype != np.uint16:
+        raise Error(f"depth compressed as {message.format}: no 16-bit PNG", code=3)
+    if message.format.startswith("32FC1"):  # quantized inverse depth
+        with np.errstate(divide="ignore"):
+            depth = np.float32(a) / (image.astype(np.float32) - np.float32(b))
+        depth[image == 0] = np.nan
+        return metres(depth, 1.0)
+    return metres(image, units)
+
+
+def camera_from(message: Any) -> Camera:
+    """The camera of a CameraInfo message."""
+    k = np.asarray(getattr(message, "k", getattr(message, "K", None)), float)
+    d = [float(value) for value in getattr(message, "d", getattr(message, "D", []))]
+    model = message.distortion_model
+    if model not in ("", "plumb_bob", "none") and any(d[:5]):
+        if not (model == "rational_polynomial" and not any(d[5:])):
+            raise Error(
+                f"CameraInfo: distortion model {model} is not read, only plumb_bob; give --camera",
+                code=5,
+            )
+    if not k[0] > 0:
+        raise Error("CameraInfo: no focal length (the camera was not calibrated)", code=5)
+    k1, k2, p1, p2, k3 = (d + [0.0] * 5)[:5]
+    fx, fy, cx, cy = float(k[0]), float(k[4]), float(k[2]), float(k[5])
+    return Camera(fx, fy, cx, cy, message.width, message.height, (k1, k2, p1, p2, k3))
+
+
+def pose_from(translation: Any, rotation: Any) -> NDArray[np.float64]:
+    """4 x 4 of a Vector3 or Point and a Quaternion message."""
+    q = np.array([rotation.x, rotation.y, rotation.z, rotation.w], float)
+    norm = np.linalg.norm(q)
+    x, y, z, w = q / norm if norm > 0 else (0.0, 0.0, 0.0, 1.0)
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    pose[:3, 3] = [translation.x, translation.y, translation.z]
+    return pose

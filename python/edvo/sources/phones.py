@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+"""Recordings of phones with a depth sensor: Record3D and Stray Scanner."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo import _core
+from edvo.camera import Camera
+from edvo.errors import Error, missing_extra
+from edvo.registration import DepthRegistration
+from edvo.sources.base import Frame, Source, metres
+from edvo.sources.listed import Entry, ListedSource, shrunk
+from edvo.trajectory import Trajectory
+
+WIDEST = 960  # [px]; larger colour images are shrunk by a whole factor
+# ARKit's camera looks along -z with y up; ours along z with y down.
+ARKIT = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+def shrunk_camera(camera: Camera, factor: int) -> Camera:
+    width, height = camera.width // factor, camera.height // factor
+    cut = Camera(
+        camera.fx, camera.fy, camera.cx, camera.cy, width * factor, height * factor
+    )
+    return cut.scaled_to(width, height)
+
+
+class Files:
+    """A folder or a zip archive (.r3d)."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._zip = None if path.is_dir() else zipfile.ZipFile(path)
+
+    def read(self, name: str) -> bytes:
+        if self._zip is not None:
+            return self._zip.read(name)
+        return (self._path / name).read_bytes()
+
+    def has(self, name: str) -> bool:
+        if self._zip is not None:
+            return name in self._zip.namelist()
+        return (self._path / name).is_file()
+
+
+def is_record3d(path: Path) -> bool:
+    if path.is_file() and path.suffix == ".r3d":
+        return True
+    return path.is_dir() and (path / "metadata").is_file() and (path / "rgbd").is_dir()
+
+
+def decompress_lzfse(data: bytes) -> bytes:
+    try:
+        import liblzfse
+    except ImportError:
+        raise missing_extra("Record3D's depth", "pyliblzfse", "record3d") from None
+    return bytes(liblzfse.decompress(data))
+
+
+def decode_jpeg(data: bytes) -> NDArray[np.uint8]:
+    from edvo.sources.messages import opencv
+
+    cv2 = opencv()
+    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR_RGB)
+    if bgr is None:
+        raise Error("a colour image cannot be decoded", code=3)
+    return np.asarray(bgr, np.uint8)
+
+
+def open_record3d(path: Path) -> ListedSource:
+    """rgbd/N.jpg, rgbd/N.depth (LZFSE, float32 [m]), metadata (JSON)."""
+    files = Files(path)
+    meta = json.loads(files.read("metadata"))
+    k = np.array(meta["K"], float).reshape(3, 3).T
+    width, height = int(meta["w"]), int(meta["h"])
+    camera = Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+    depth_size = (int(meta.get("dh", 0)), int(meta.get("dw", 0)))
+    count = 0
+    while files.has(f"rgbd/{count}.jpg"):
+        count += 1
+    if count == 0:
+        raise Error(f"{path}: Record3D's metadata, but no rgbd/0.jpg", code=3)
+    if 0 in depth_size:
+        pixels = len(decompress_lzfse(files.read("rgbd/0.depth"))) // 4
+        ratio = round((pixels / (width * height)) ** -0.5, 6)
+        depth_size = (round(height / ratio), round(width / ratio))
+    factor = max(1, -(-max(width, height) // WIDEST))
+    camera = shrunk_camera(camera, factor)
+    depth_camera = camera.scaled_to(depth_size[1], depth_size[0])
+
+    def colour(i: int) -> Callable[[], NDArray[np.uint8]]:
+        return lambda: shrunk(decode_jpeg(files.read(f"rgbd/{i}.jpg")), factor)
+
+    def depth(i: int) -> Callable[[], NDArray[np.float32]]:
+        def read() -> NDArray[np.float32]:
+            data = decompress_lzfse(files.read(f"rgbd/{i}.depth"))
+            return metres(np.frombuffer(data, np.float32).reshape(depth_size), 1.0)
+
+        return read
+
+    stamps = meta.get("frameTimestamps") or [i / float(meta.get("fps", 30)) for i in range(count)]
+    stamps_ns = [round(1e9 * float(s)) for s in stamps[:count]]
+    source = ListedSource(
+        [Entry(stamps_ns[i], colour(i), depth(i)) for i in range(count)],
+        DepthRegistration(depth_camera, camera),
+    )
+    describe(source, path, "Record3D", camera, "K in its metadata", depth_size)
+    poses = np.array(meta.get("poses", []), float).reshape(-1, 7)[:count]
+    if len(poses):
+        values = np.hstack([poses[:, 4:], poses[:, :4]])
+        matrices = Trajectory(np.array(stamps_ns[: len(poses)]), values).poses @ ARKIT
+        source.ground_truth = Trajectory.from_poses(np.array(stamps_ns[: len(poses)]), matrices)
+        source.notes.append("ground truth: ARKit's poses in its metadata (no reference of a lab)")
+    return source
+
+
+def describe(
+    source: Source, path: Path, what: str, camera: Camera, origin: str, depth: tuple[int, int]
+) -> None:
+    source.name = path.stem
+    source.origin = f"{path} ({what})"
+    source.camera = camera
+    source.camera_origin = origin
+    source.notes.append(
+        f"depth of {depth[1]} x {depth[0]} px is brought to colour of "
+        f"{camera.width} x {camera.height} px"
+    )
+
+
+def is_stray(path: Path) -> bool:
+    return (path / "rgb.mp4").is_file() and (path / "camera_matrix.csv").is_file()
+
+
+class StraySource(Source):
+    """Stray Scanner: rgb.mp4, depth/N.png [mm], camera_matrix.csv, odometry.csv."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self._path = path
+        self._depths = sorted((path / "depth").glob("*.png"))
+        if not self._depths:
+            raise Error(f"{path}: Stray Scanner's rgb.mp4, but no depth/*.png", code=3)
+        k = np.loadtxt(path / "camera_matrix.csv", delimiter=",")
+        width, height = self._video_size()
+        self._factor = max(1, -(-max(width, height) // WIDEST))
+        camera = Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+        camera = shrunk_camera(camera, self._factor)
+        shape = _core.read_depth(self._depths[0]).shape
+        depth_size = (int(shape[0]), int(shape[1]))
+        self._registration = DepthRegistration(
+            camera.scaled_to(depth_size[1], depth_size[0]), camera
+        )
+        describe(self, path, "Stray Scanner", camera, "camera_matrix.csv", depth_size)
+        self.frames = len(self._depths)
+        self._stamps = self._read_odometry()
+
+    def _open(self) -> Any:
+        try:
+            import av
+        except ImportError:
+            raise missing_extra("decoding rgb.mp4", "av", "video") from None
+        return av.open(str(self._path / "rgb.mp4"))
+
+    def _video_size(self) -> tuple[int, int]:
+        with self._open() as video:
+            stream = video.streams.video[0]
+            return stream.codec_context.width, stream.codec_context.height
+
+    def _read_odometry(self) -> list[int]:
+        file = self._path / "odometry.csv"
+        if not file.is_file():
+            self.warnings.append(f"{file.name} is not there: 60 frames per second are assumed")
+            return [round(1e9 * i / 60) for i in range(len(self._depths))]
+        rows = list(csv.reader(io.StringIO(file.read_text(encoding="utf-8"))))
+        header = [field.strip() for field in rows[0]]
+        columns = [header.index(name) for name in ("timestamp", "x", "y", "z", "qx", "qy", "qz", "qw")]
+        table = np.array([[float(row[c]) for c in columns] for row in rows[1:] if row])
+        stamps = np.round(1e9 * table[:, 0]).astype(np.int64)
+        self.ground_truth = Trajectory(stamps, table[:, 1:])
+        self.notes.append("ground truth: odometry.csv of the phone (no reference of a lab)")
+        return [int(stamp) for stamp in stamps]
+
+    def __iter__(self) -> Iterator[Frame]:
+        with self._open() as video:
+            for i, picture in enumerate(video.decode(video=0)):
+                if i >= min(len(self._depths), len(self._stamps)):
+                    return
+                rgb = shrunk(picture.to_ndarray(format="rgb24"), self._factor)
+                depth = metres(_core.read_depth(self._depths[i]), 1000.0)
+                yield Frame(self._stamps[i], rgb, self._registration(depth))

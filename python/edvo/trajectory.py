@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: MIT
+"""Poses in time, and the files they are kept in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo import _core
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Poses of the camera in the world (world_from_camera), ordered by stamp.
+
+    ``stamps_ns``: N, [ns]. ``values``: N x 7, tx ty tz [m] qx qy qz qw. ``decimals``: digits after
+    the point with which a text file keeps the stamps.
+    """
+
+    stamps_ns: NDArray[np.int64]
+    values: NDArray[np.float64]
+    decimals: int = 9
+
+    def __len__(self) -> int:
+        return len(self.stamps_ns)
+
+    def __post_init__(self) -> None:
+        stamps = np.ascontiguousarray(self.stamps_ns, np.int64)
+        values = np.ascontiguousarray(self.values, np.float64).reshape(-1, 7)
+        if len(stamps) != len(values):
+            raise ValueError(f"{len(stamps)} stamps, but {len(values)} poses")
+        object.__setattr__(self, "stamps_ns", stamps)
+        object.__setattr__(self, "values", values)
+
+    @property
+    def stamps(self) -> NDArray[np.float64]:
+        """[s]"""
+        return self.stamps_ns.astype(np.float64) * 1e-9
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """N x 3, [m]"""
+        return self.values[:, :3]
+
+    @property
+    def quaternions(self) -> NDArray[np.float64]:
+        """N x 4, qx qy qz qw"""
+        return self.values[:, 3:]
+
+    @property
+    def poses(self) -> NDArray[np.float64]:
+        """N x 4 x 4, homogeneous"""
+        x, y, z, w = self.quaternions.T
+        matrices = np.zeros((len(self), 4, 4))
+        matrices[:, 0, 0] = 1 - 2 * (y * y + z * z)
+        matrices[:, 0, 1] = 2 * (x * y - w * z)
+        matrices[:, 0, 2] = 2 * (x * z + w * y)
+        matrices[:, 1, 0] = 2 * (x * y + w * z)
+        matrices[:, 1, 1] = 1 - 2 * (x * x + z * z)
+        matrices[:, 1, 2] = 2 * (y * z - w * x)
+        matrices[:, 2, 0] = 2 * (x * z - w * y)
+        matrices[:, 2, 1] = 2 * (y * z + w * x)
+        matrices[:, 2, 2] = 1 - 2 * (x * x + y * y)
+        matrices[:, :3, 3] = self.positions
+        matrices[:, 3, 3] = 1
+        return matrices
+
+    @staticmethod
+    def from_poses(
+        stamps_ns: NDArray[np.int64], poses: NDArray[np.float64], decimals: int = 9
+    ) -> Trajectory:
+        """From N x 4 x 4 matrices world_from_camera."""
+        poses = np.asarray(poses, np.float64).reshape(-1, 4, 4)
+        values = np.empty((len(poses), 7))
+        values[:, :3] = poses[:, :3, 3]
+        for i, pose in enumerate(poses):
+            values[i, 3:] = quaternion(pose[:3, :3])
+        return Trajectory(np.asarray(stamps_ns, np.int64), values, decimals)
+
+    @staticmethod
+    def read(file: str | Path) -> Trajectory:
+        """A text file, one "stamp tx ty tz qx qy qz qw" a line (TUM)."""
+        (stamps, decimals, values), _ = _core.read_trajectory(Path(file))
+        return Trajectory(stamps, values, decimals)
+
+    def write(self, file: str | Path, format: str = "tum") -> None:
+        """Writes a text file: "tum", "kitti" (3 x 4 matrices, no stamps) or "euroc" (csv)."""
+        writers = {"tum": self._write_tum, "kitti": self._write_kitti, "euroc": self._write_euroc}
+        if format not in writers:
+            raise ValueError(f"format {format!r}: unknown, one of {', '.join(writers)}")
+        writers[format](Path(file))
+
+    def _write_tum(self, file: Path) -> None:
+        _core.write_trajectory(file, self.stamps_ns, self.decimals, self.values)
+
+    def _write_kitti(self, file: Path) -> None:
+        rows = self.poses[:, :3, :].reshape(-1, 12)
+        lines = (" ".join(repr(float(value)) for value in row) for row in rows)
+        file.write_text("".join(line + "\n" for line in lines), encoding="utf-8")
+
+    def _write_euroc(self, file: Path) -> None:
+        header = (
+            "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], "
+            "q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+        )
+        lines = [header]
+        for stamp, (tx, ty, tz, qx, qy, qz, qw) in zip(self.stamps_ns, self.values.tolist()):
+            lines.append(",".join([str(stamp), *map(repr, (tx, ty, tz, qw, qx, qy, qz))]) + "\n")
+        file.write_text("".join(lines), encoding="utf-8")
+
+
+def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """qx qy qz qw of the rotation nearest to a 3 x 3 matrix (qw >= 0)."""
+    u, _, vt = np.linalg.svd(rotation)
+    m = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    # The eigenvector of Bar-Itzhack's matrix: stable for every rotation.
+    k = np.array(
+        [
+            [m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2], m[2, 1] - m[1, 2]],
+            [m[1, 0] + m[0, 1], m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2], m[0, 2] - m[2, 0]],
+            [m[2, 0] + m[0, 2], m[2, 1] + m[1, 2], m[2, 2] - m[0, 0] - m[1, 1], m[1, 0] - m[0, 1]],
+            [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], m[0, 0] + m[1, 1] + m[2, 2]],
+        ]
+    )
+    q = np.linalg.eigh(k)[1][:, -1]
+    return np.asarray(q if q[3] >= 0 else -q)

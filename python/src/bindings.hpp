@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The parts of the module edvo._core: each adds its functions and classes.
+#pragma once
+
+#include "edvo/core/camera.hpp"
+#include "numpy.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include <array>
+#include <tuple>
+
+namespace edvo::python {
+
+void add_odometry(nb::module_& module);
+void add_evaluation(nb::module_& module);
+void add_files(nb::module_& module);
+void add_registration(nb::module_& module);
+void add_program(nb::module_& module);
+
+// fx, fy, cx, cy [px], width, height [px], distortion k1 k2 p1 p2 k3.
+using CameraTuple = std::tuple<double, double, double, double, int, int, std::array<double, 5>>;
+
+[[nodiscard]] inline DistortedCamera to_camera(const CameraTuple& values) {
+  const auto& [fx, fy, cx, cy, width, height, distortion] = values;
+  return {.pinhole = {.fx = fx, .fy = fy, .cx = cx, .cy = cy, .width = width, .height = height},
+          .distortion = distortion};
+}
+
+[[nodiscard]] inline CameraTuple camera_tuple(const DistortedCamera& camera) {
+  const Camera& k = camera.pinhole;
+  return {k.fx, k.fy, k.cx, k.cy, k.width, k.height, camera.distortion};
+}
+
+}  // namespace edvo::python

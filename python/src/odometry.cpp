@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+// Options, the odometry and what it says about a frame.
+#include "edvo/odometry/odometry.hpp"
+#include "bindings.hpp"
+#include "edvo/core/error.hpp"
+#include "edvo/features/edge_strength.hpp"
+#include "edvo/network/edge_network.hpp"
+
+#include <fmt/core.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace edvo::python {
+namespace {
+
+Method method_named(const std::string& wanted) {
+  std::string known;
+  for (const auto& [method, name] : EnumNames<Method>::names) {
+    if (name == wanted) return method;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw Error(ErrorCode::kConfig, fmt::format("method {}: unknown, one of {}", wanted, known));
+}
+
+// The options of a method after changes spelled "group.field=value".
+Config config_of(const std::string& method, const std::vector<std::string>& changes) {
+  Config config = preset(method_named(method));
+  for (const std::string& change : changes) set_option(config, change);
+  check(config);
+  return config;
+}
+
+// None where the method uses no network.
+std::unique_ptr<EdgeDetector> detector_of(const Config& config, const DistortedCamera& camera) {
+  if (config.edge.detector != Detector::kNetwork) return nullptr;
+  const cv::Size size(camera.pinhole.width, camera.pinhole.height);
+  return make_strength_detector(open_network(config.network, size), config.network);
+}
+
+nb::dict level_dict(const LevelStats& level) {
+  nb::dict values;
+  values["level"] = level.level;
+  values["iterations"] = level.iterations;
+  values["points"] = level.points;
+  values["cost"] = level.cost;
+  values["converged"] = level.converged;
+  return values;
+}
+
+nb::dict times_dict(const StageTimes& times) {
+  nb::dict values;
+  values["frame"] = times.frame;
+  values["edges"] = times.edges;
+  values["corners"] = times.corners;
+  values["selection"] = times.selection;
+  values["tracking"] = times.tracking;
+  values["window"] = times.window;
+  values["total"] = times.total;
+  return values;
+}
+
+// The fields of edvo.FrameResult.
+nb::dict result_dict(const FrameResult& result) {
+  nb::list levels;
+  for (const LevelStats& level : result.levels) levels.append(level_dict(level));
+  nb::dict values;
+  values["stamp_ns"] = result.stamp.nanoseconds;
+  values["status"] = std::string(name_of(result.status));
+  values["pose"] = numpy_pose(result.world_from_camera);
+  values["information"] = numpy_matrix(result.information);
+  values["points"] = result.points;
+  values["inlier_ratio"] = result.inlier_ratio;
+  values["overlap"] = result.overlap;
+  values["rms"] = result.rms;
+  values["loss_cause"] = std::string(name_of(result.loss_cause));
+  values["segment"] = result.segment;
+  values["keyframe"] = result.keyframe;
+  values["keyframe_from_camera"] = numpy_pose(result.keyframe_from_camera);
+  values["new_keyframe"] =
+      result.keyframe_reason ? nb::cast(std::string(name_of(*result.keyframe_reason))) : nb::none();
+  values["levels"] = nb::tuple(levels);
+  values["milliseconds"] = times_dict(result.milliseconds);
+  return values;
+}
+
+// Copies the image and tracks it while other Python threads run.
+template <typename DepthOf>
+nb::dict process(Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+                 const DepthOf& depth_of) {
+  FrameResult result;
+  {
+    const nb::gil_scoped_release release;
+    result = odometry.process(RgbdImage{.stamp = {.nanoseconds = nanoseconds, .decimals = decimals},
+                                        .bgr = to_bgr(rgb),
+                                        .depth = depth_of()});
+  }
+  return result_dict(result);
+}
+
+}  // namespace
+
+void add_odometry(nb::module_& module) {
+  using namespace nb::literals;
+  module.attr("default_method") = std::string(name_of(kDefaultMethod));
+  module.def(
+      "options_toml",
+      [](const std::string& method, const std::vector<std::string>& changes) {
+        return to_toml(config_of(method, changes));
+      },
+      "method"_a, "changes"_a);
+  nb::class_<Odometry>(module, "Odometry")
+      .def(
+          "__init__",
+          [](Odometry* place, const CameraTuple& camera, const std::string& method,
+             const std::vector<std::string>& changes) {
+            const Config config = config_of(method, changes);
+            const DistortedCamera lens = to_camera(camera);
+            new (place) Odometry(lens, config, detector_of(config, lens));
+          },
+          "camera"_a, "method"_a, "changes"_a)
+      .def(
+          "process_metres",
+          [](Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+             const MetreArray& depth) {
+            return process(odometry, nanoseconds, decimals, rgb, [&] { return to_depth(depth); });
+          },
+          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a)
+      .def(
+          "process_units",
+          [](Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+             const UnitArray& depth, double units_per_metre) {
+            return process(odometry, nanoseconds, decimals, rgb,
+                           [&] { return to_depth(depth, units_per_metre); });
+          },
+          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a, "units_per_metre"_a)
+      .def("finish", &Odometry::finish, nb::call_guard<nb::gil_scoped_release>())
+      .def("reset", &Odometry::reset)
+      .def("trajectory",
+           [](const Odometry& odometry) { return numpy_trajectory(odometry.trajectory()); })
+      .def("keyframes", [](const Odometry& odometry) {
+        return numpy_trajectory(odometry.keyframe_trajectory());
+      });
+}
+
+}  // namespace edvo::python

@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: MIT
+"""Bags written by the independent library rosbags and read back."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import edvo
+from edvo.sources import BagSource
+
+pytest.importorskip("rosbags")
+cv2 = pytest.importorskip("cv2")
+
+from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
+from rosbags.rosbag2 import StoragePlugin  # noqa: E402
+from rosbags.rosbag2 import Writer as Writer2  # noqa: E402
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402
+
+START = 1_600_000_000_123_456_789
+PERIOD = 33_333_333
+
+
+class Recorder:
+    """One bag of any kind."""
+
+    def __init__(self, kind: str, folder: Path) -> None:
+        self.is_ros1 = kind == "ros1"
+        self.store = get_typestore(Stores.ROS1_NOETIC if self.is_ros1 else Stores.ROS2_HUMBLE)
+        if self.is_ros1:  # TFMessage is not among the types of the library
+            definition = "geometry_msgs/TransformStamped[] transforms"
+            self.store.register(get_types_from_msg(definition, "tf2_msgs/msg/TFMessage"))
+        self.types = self.store.types
+        if self.is_ros1:
+            self.path = folder / "recording.bag"
+            self.writer: Any = Writer1(self.path)
+        else:
+            plugin = StoragePlugin.MCAP if kind == "mcap" else StoragePlugin.SQLITE3
+            self.path = folder / "recording"
+            self.writer = Writer2(self.path, version=9, storage_plugin=plugin)
+        self.connections: dict[str, Any] = {}
+        self.writer.open()
+
+    def make(self, kind: str, **fields: Any) -> Any:
+        return self.types[kind](**fields)
+
+    def header(self, stamp: int, frame: str) -> Any:
+        time = self.make("builtin_interfaces/msg/Time", sec=stamp // 10**9, nanosec=stamp % 10**9)
+        fields = {"stamp": time, "frame_id": frame}
+        if self.is_ros1:
+            fields["seq"] = 0
+        return self.make("std_msgs/msg/Header", **fields)
+
+    def write(self, topic: str, message: Any, stamp: int) -> None:
+        kind = message.__msgtype__
+        if topic not in self.connections:
+            self.connections[topic] = self.writer.add_connection(topic, kind, typestore=self.store)
+        serialize = self.store.serialize_ros1 if self.is_ros1 else self.store.serialize_cdr
+        self.writer.write(self.connections[topic], stamp, serialize(message, kind))
+
+    def image(self, topic: str, stamp: int, pixels: Any, encoding: str, frame: str) -> None:
+        data = np.ascontiguousarray(pixels)
+        message = self.make(
+            "sensor_msgs/msg/Image",
+            header=self.header(stamp, frame),
+            height=data.shape[0],
+            width=data.shape[1],
+            encoding=encoding,
+            is_bigendian=0,
+            step=data.strides[0],
+            data=data.view(np.uint8).reshape(-1),
+        )
+        self.write(topic, message, stamp)
+
+    def compressed(self, topic: str, stamp: int, data: bytes, format: str, frame: str) -> None:
+        message = self.make(
+            "sensor_msgs/msg/CompressedImage",
+            header=self.header(stamp, frame),
+            format=format,
+            data=np.frombuffer(data, np.uint8),
+        )
+        self.write(topic, message, stamp)
+
+    def info(self, topic: str, stamp: int, camera: edvo.Camera, frame: str) -> None:
+        k = camera.matrix.reshape(-1)
+        letters = str.upper if self.is_ros1 else str.lower
+        values = {
+            letters("d"): np.array(camera.distortion),
+            letters("k"): k,
+            letters("r"): np.eye(3).reshape(-1),
+            letters("p"): np.hstack([camera.matrix, np.zeros((3, 1))]).reshape(-1),
+        }
+        roi = self.make(
+            "sensor_msgs/msg/RegionOfInterest",
+            x_offset=0, y_offset=0, height=0, width=0, do_rectify=False,
+        )  # fmt: skip
+        message = self.make(
+            "sensor_msgs/msg/CameraInfo",
+            header=self.header(stamp, frame),
+            height=camera.height,
+            width=camera.width,
+            distortion_model="plumb_bob",
+            binning_x=0,
+            binning_y=0,
+            roi=roi,
+            **values,
+        )
+        self.write(topic, message, stamp)
+
+    def transform(
+        self, topic: str, stamp: int, parent: str, child: str, xyz: Any, q: Any = (0, 0, 0, 1)
+    ) -> None:
+        link = self.make(
+            "geometry_msgs/msg/TransformStamped",
+            header=self.header(stamp, parent),
+            child_frame_id=child,
+            transform=self.make(
+                "geometry_msgs/msg/Transform",
+                translation=self.make(
+                    "geometry_msgs/msg/Vector3", **dict(zip("xyz", map(float, xyz)))
+                ),
+                rotation=self.make(
+                    "geometry_msgs/msg/Quaternion", **dict(zip("xyzw", map(float, q)))
+                ),
+            ),
+        )
+        kind = "tf2_msgs/msg/TFMessage"
+        self.write(topic, self.make(kind, transforms=[link]), stamp)
+
+    def close(self) -> Path:
+        self.writer.close()
+        return self.path
+
+
+def millimetres(frame: edvo.Frame) -> Any:
+    return np.nan_to_num(np.round(frame.depth * 1000)).astype(np.uint16)
+
+
+def record(
+    kind: str,
+    folder: Path,
+    camera: edvo.Camera,
+    frames: list[edvo.Frame],
+    depth_image: Callable[[edvo.Frame], tuple[Any, str]] = lambda f: (millimetres(f), "16UC1"),
+) -> Path:
+    recorder = Recorder(kind, folder)
+    for i, frame in enumerate(frames):
+        stamp = START + i * PERIOD
+        pixels, encoding = depth_image(frame)
+        recorder.info("/camera/color/camera_info", stamp, camera, "colour")
+        recorder.info("/camera/depth/camera_info", stamp, camera, "colour")
+        recorder.image("/camera/color/image_raw", stamp, frame.rgb, "rgb8", "colour")
+        recorder.image("/camera/depth/image_raw", stamp + 4_000_000, pixels, encoding, "colour")
+        recorder.image("/camera/infra1/image_raw", stamp, frame.rgb[:, :, 0], "mono8", "infra")
+        recorder.transform("/tf", stamp, "map", "colour", (0.01 * i, 0, 0))
+    return recorder.close()
+
+
+@pytest.mark.parametrize("kind", ["ros1", "db3", "mcap"])
+def test_frames_stamps_and_units_come_back(
+    kind: str, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    source = edvo.open_source(record(kind, tmp_path, camera, frames[:6]))
+    assert isinstance(source, BagSource)
+    assert source.camera == camera
+    back = list(source)
+    assert [frame.stamp_ns for frame in back] == [START + i * PERIOD for i in range(6)]
+    for frame, original in zip(back, frames):
+        assert np.array_equal(frame.rgb, original.rgb)
+        both = np.isfinite(original.depth) & (original.depth < 65)
+        assert np.allclose(frame.depth[both], original.depth[both], atol=0.00051)
+        assert np.array_equal(np.isfinite(frame.depth), np.isfinite(original.depth))
+    assert source.ground_truth is not None
+    assert np.allclose(source.ground_truth.positions[:, 0], 0.01 * np.arange(6))
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_single_file_of_a_ros2_bag_is_enough(
+    kind: str, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    folder = record(kind, tmp_path, camera, frames[:3])
+    (file,) = folder.glob(f"*.{kind}")
+    alone = tmp_path / f"alone.{kind}"
+    file.rename(alone)
+    assert len(list(edvo.open_source(alone))) == 3
+
+
+def test_floats_are_metres(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = record("mcap", tmp_path, camera, frames[:2], lambda f: (f.depth, "32FC1"))
+    for frame, original in zip(edvo.open_source(path), frames):
+        assert np.array_equal(frame.depth, original.depth, equal_nan=True)
+
+
+def test_compressed_images_and_both_kinds_of_compressed_depth(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    frame = frames[0]
+    for i, inverse in enumerate((False, True)):
+        recorder = Recorder("db3", tmp_path / str(i)) if (tmp_path / str(i)).mkdir() is None else None
+        assert recorder is not None
+        recorder.info("/camera/color/camera_info", START, camera, "colour")
+        _, png = cv2.imencode(".png", frame.rgb[:, :, ::-1])
+        topic = "/camera/color/image_raw/compressed"
+        recorder.compressed(topic, START, png.tobytes(), "rgb8; png compressed bgr8", "colour")
+        if inverse:
+            a, b = 100.0 * 101.0, 101.0 * 100.0 / 100.0 - 101.0 + 1
+            with np.errstate(invalid="ignore"):
+                units = np.nan_to_num(np.round(a / frame.depth + b)).astype(np.uint16)
+            format, head = "32FC1; compressedDepth png", struct.pack("<iff", 0, a, b)
+        else:
+            units = millimetres(frame)
+            format, head = "16UC1; compressedDepth png", struct.pack("<iff", 0, 0, 0)
+        _, png = cv2.imencode(".png", units)
+        topic = "/camera/depth/image_raw/compressedDepth"
+        recorder.compressed(topic, START, head + png.tobytes(), format, "colour")
+        (back,) = list(edvo.open_source(recorder.close()))
+        assert np.array_equal(back.rgb, frame.rgb)
+        known = np.isfinite(frame.depth)
+        assert np.array_equal(np.isfinite(back.depth), known)
+        assert np.allclose(back.depth[known], frame.depth[known], rtol=0.001, atol=0.0006)
+
+
+def test_depth_of_its_own_camera_is_registered_by_tf(
+    tmp_path: Path, camera: edvo.Camera
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    depth_camera = edvo.Camera(300, 300, 150, 110, 320, 240)
+    recorder.info("/c/color/camera_info", START, camera, "colour")
+    recorder.info("/c/depth/camera_info", START, depth_camera, "depth")
+    recorder.transform("/tf_static", START, "link", "depth", (0, 0, 0))
+    recorder.transform("/tf_static", START, "link", "colour", (-0.05, 0, 0))
+    rgb = np.full((240, 320, 3), 90, np.uint8)
+    recorder.image("/c/color/image_raw", START, rgb, "rgb8", "colour")
+    wall = np.full((240, 320), 2000, np.uint16)
+    wall[100:140, 140:180] = 1000
+    recorder.image("/c/depth/image_raw", START, wall, "16UC1", "depth")
+    source = edvo.open_source(recorder.close())
+    (frame,) = list(source)
+    assert any("baseline 50.0 mm" in note for note in source.notes)
+    # The box's middle: depth pixel (159.5, 119.5) at 1 m, 0.05 m further right for colour.
+    x = camera.fx * ((159.5 - 150) / 300 + 0.05) + camera.cx
+    y = camera.fy * (119.5 - 110) / 300 + camera.cy
+    assert frame.depth[round(y), round(x)] == pytest.approx(1.0, abs=1e-4)
+    assert frame.depth[round(y), round(x) + 60] == pytest.approx(2.0, abs=1e-4)
+
+
+def test_realsense_topics_say_their_unit(tmp_path: Path, camera: edvo.Camera) -> None:
+    recorder = Recorder("ros1", tmp_path)
+    base = "/device_0/sensor_{}/{}_0/{}"
+    recorder.info(base.format(1, "Color", "info/camera_info"), START, camera, "0")
+    recorder.info(base.format(0, "Depth", "info/camera_info"), START, camera, "0")
+    unit = recorder.make("std_msgs/msg/Float32", data=0.0001)
+    recorder.write("/device_0/sensor_0/option/Depth_Units/value", unit, START)
+    rgb = np.full((240, 320, 3), 90, np.uint8)
+    recorder.image(base.format(1, "Color", "image/data"), START, rgb, "rgb8", "0")
+    depth = np.full((240, 320), 15000, np.uint16)
+    recorder.image(base.format(0, "Depth", "image/data"), START, depth, "mono16", "0")
+    source = edvo.open_source(recorder.close())
+    (frame,) = list(source)
+    assert np.nanmedian(frame.depth) == pytest.approx(1.5, rel=1e-6)
+
+
+def test_topics_can_be_chosen_and_wrong_ones_are_named(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = record("mcap", tmp_path, camera, frames[:2])
+    source = edvo.open_source(path, colour_topic="/camera/infra1/image_raw", camera=camera)
+    assert np.array_equal(next(iter(source)).rgb[:, :, 1], frames[0].rgb[:, :, 0])
+    with pytest.raises(edvo.Error, match="/camera/color/image_raw"):
+        edvo.open_source(path, colour_topic="/nothing")
+
+
+@pytest.mark.parametrize("name", ["broken.bag", "broken.db3", "broken.mcap"])
+def test_files_that_are_no_bags_are_refused_in_one_sentence(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(b"not a bag at all" * 10)
+    with pytest.raises(edvo.Error) as caught:
+        edvo.open_source(tmp_path / name)
+    assert caught.value.code == 3 and "\n" not in str(caught.value)
+
+
+def test_a_bag_is_tracked(tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
+    run = edvo.run(record("mcap", tmp_path, camera, frames[:12]))
+    assert run.tracked == 12 and run.evaluation is not None

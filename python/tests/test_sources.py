@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: MIT
+"""Layouts met in the wild, each a small sample made here."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import edvo
+from edvo.sources import FolderSource, read_by_core
+
+cv2 = pytest.importorskip("cv2")
+
+WIDTH, HEIGHT = 64, 48
+DEPTH = np.linspace(1, 3, WIDTH * HEIGHT, dtype=np.float32).reshape(HEIGHT, WIDTH)
+
+
+def colour_image(value: int, size: tuple[int, int] = (WIDTH, HEIGHT)) -> np.ndarray:
+    image = np.zeros((size[1], size[0], 3), np.uint8)
+    image[:, :, 2] = value  # OpenCV's red
+    image[:, ::2, 1] = 200
+    return image
+
+
+def units(per_metre: float) -> np.ndarray:
+    return np.round(DEPTH * per_metre).astype(np.uint16)
+
+
+def write(file: Path, image: np.ndarray) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    assert cv2.imwrite(str(file), image)
+
+
+def matrix(x: float) -> str:
+    return f"1 0 0 {x}\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+
+
+def check(path: Path, count: int, poses: int = 0, **options: object) -> edvo.Source:
+    source = edvo.open_source(path, **options)  # type: ignore[arg-type]
+    frames = list(source)
+    assert len(frames) == count == source.frames
+    for i, frame in enumerate(frames):
+        assert abs(int(frame.rgb[0, 1, 0]) - 10 * (i + 1)) <= 6 and frame.rgb[0, 1, 2] <= 20
+        assert np.nanmax(np.abs(frame.depth - DEPTH)) < 0.001
+    assert (0 if source.ground_truth is None else len(source.ground_truth)) == poses
+    return source
+
+
+def test_seven_scenes(tmp_path: Path) -> None:
+    for i in range(3):
+        base = tmp_path / f"frame-{i:06}"
+        write(base.with_suffix(".color.png"), colour_image(10 * (i + 1)))
+        write(base.with_suffix(".depth.png"), units(1000))
+        base.with_suffix(".pose.txt").write_text(matrix(i))
+    (tmp_path / "intrinsics.txt").write_text("58.5 58.5 32 24")
+    source = check(tmp_path, 3, poses=3)
+    assert source.ground_truth is not None
+    assert np.allclose(source.ground_truth.positions[:, 0], [0, 1, 2])
+
+
+def test_replica(tmp_path: Path) -> None:
+    for i in range(3):
+        write(tmp_path / f"results/frame{i:06}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"results/depth{i:06}.png", units(6553.5))
+    lines = [matrix(i).replace("\n", " ") for i in range(3)]
+    (tmp_path / "traj.txt").write_text("\n".join(lines))
+    (tmp_path / "camera.toml").write_text("fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n")
+    check(tmp_path, 3, poses=3, camera=tmp_path / "camera.toml")
+
+
+def test_open3d_recorder(tmp_path: Path) -> None:
+    for i in range(2):
+        write(tmp_path / f"color/{i:06}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"depth/{i:06}.png", units(1000))
+    k = [60, 0, 0, 0, 61, 0, 31.5, 23.5, 1]
+    camera = {"width": WIDTH, "height": HEIGHT, "intrinsic_matrix": k}
+    (tmp_path / "camera_intrinsic.json").write_text(json.dumps(camera))
+    assert check(tmp_path, 2).camera.fy == 61
+
+
+def test_eth3d(tmp_path: Path) -> None:
+    for name, image in (("rgb", colour_image(10)), ("depth", units(5000))):
+        write(tmp_path / f"{name}/1.5.png", image)
+        (tmp_path / f"{name}.txt").write_text(f"1.5 {name}/1.5.png\n")
+    (tmp_path / "calibration.txt").write_text("72 73 31 24\n")
+    (tmp_path / "groundtruth.txt").write_text("1.4 0 0 0 0 0 0 1\n1.5 1 0 0 0 0 0 1\n")
+    assert check(tmp_path, 1, poses=2).camera.fx == 72
+
+
+@pytest.mark.parametrize("suffix", [".tiff", ".exr", ".npy", ".pgm"])
+def test_other_depth_formats(suffix: str, tmp_path: Path) -> None:
+    if suffix == ".exr" and "YES" not in next(
+        line for line in cv2.getBuildInformation().splitlines() if "OpenEXR" in line
+    ).upper().replace("BUILD", "YES"):
+        pytest.skip("this OpenCV reads no EXR")
+    for i in range(2):
+        write(tmp_path / f"rgb/{i}.ppm", colour_image(10 * (i + 1)))
+        file = tmp_path / f"depth/{i}{suffix}"
+        file.parent.mkdir(exist_ok=True)
+        if suffix == ".npy":
+            np.save(file, DEPTH)
+        elif suffix == ".pgm":
+            write(file, units(1000))
+        else:
+            import os
+
+            os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+            write(file, DEPTH)
+    (tmp_path / "camera.toml").write_text("fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n")
+    assert not read_by_core(tmp_path)
+    check(tmp_path, 2)
+
+
+def test_depth_of_a_camera_of_its_own(tmp_path: Path) -> None:
+    write(tmp_path / "rgb/0.png", colour_image(10))
+    write(tmp_path / "depth/0.png", np.full((24, 32), 2000, np.uint16))
+    camera = edvo.Camera(60, 60, 31.5, 23.5, WIDTH, HEIGHT)
+    with pytest.raises(edvo.Error, match="64 x 48"):
+        edvo.open_source(tmp_path, camera=camera)
+    source = edvo.open_source(
+        tmp_path, camera=camera, depth_camera=edvo.Camera(30, 30, 15.5, 11.5, 32, 24)
+    )
+    depth = next(iter(source)).depth
+    assert np.isfinite(depth[1:-1, 1:-1]).all() and np.nanmax(np.abs(depth - 2)) < 1e-5
+
+
+def record3d(folder: Path) -> Path:
+    lzfse = pytest.importorskip("liblzfse")
+    k = [60, 0, 0, 0, 60, 0, 31.5, 23.5, 1]
+    meta = {"w": WIDTH, "h": HEIGHT, "dw": 32, "dh": 24, "fps": 30, "K": k}
+    meta["poses"] = [[0, 0, 0, 1, i, 0, 0] for i in range(2)]
+    meta["frameTimestamps"] = [5.0, 5.1]
+    file = folder / "phone.r3d"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("metadata", json.dumps(meta))
+        for i in range(2):
+            jpeg = cv2.imencode(".jpg", np.full((HEIGHT, WIDTH, 3), 80, np.uint8))[1]
+            archive.writestr(f"rgbd/{i}.jpg", jpeg.tobytes())
+            depth = np.full((24, 32), 1.25, np.float32)
+            archive.writestr(f"rgbd/{i}.depth", lzfse.compress(depth.tobytes()))
+    return file
+
+
+def test_record3d(tmp_path: Path) -> None:
+    source = edvo.open_source(record3d(tmp_path))
+    frames = list(source)
+    assert [frame.stamp_ns for frame in frames] == [5_000_000_000, 5_100_000_000]
+    assert np.nanmedian(frames[0].depth) == pytest.approx(1.25)
+    assert source.ground_truth is not None
+    # ARKit's camera looks along its -z axis.
+    assert np.allclose(source.ground_truth.poses[1][:3, 2], [0, 0, -1], atol=1e-9)
+
+
+def test_stray_scanner(tmp_path: Path) -> None:
+    av = pytest.importorskip("av")
+    with av.open(str(tmp_path / "rgb.mp4"), "w") as video:
+        stream = video.add_stream("mpeg4", rate=30)
+        stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+        for value in (60, 120):
+            picture = np.full((HEIGHT, WIDTH, 3), value, np.uint8)
+            video.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        video.mux(stream.encode())
+    for i in range(2):
+        write(tmp_path / f"depth/{i:06}.png", np.full((24, 32), 1500, np.uint16))
+    (tmp_path / "camera_matrix.csv").write_text("60,0,31.5\n0,60,23.5\n0,0,1\n")
+    (tmp_path / "odometry.csv").write_text(
+        "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
+        "1.0, 0, 0, 0, 0, 0, 0, 0, 1\n1.1, 1, 0.5, 0, 0, 0, 0, 0, 1\n"
+    )
+    source = edvo.open_source(tmp_path)
+    frames = list(source)
+    assert [frame.stamp_ns for frame in frames] == [1_000_000_000, 1_100_000_000]
+    assert [int(np.median(f.rgb)) // 10 for f in frames] in ([6, 12], [5, 11], [6, 11], [5, 12])
+    assert np.nanmedian(frames[1].depth) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda p: (p / "x.mkv").write_bytes(b"") or p / "x.mkv", ".mkv is not read"),
+        (lambda p: (p / "d-1.5-2.pgm").write_bytes(b"P5") and p, "NYU's raw recordings"),
+        (lambda p: p, "no RGB-D sequence here"),
+        (lambda p: p / "missing", "no such folder"),
+    ],
+)
+def test_what_is_not_read_is_said_in_one_sentence(make, words: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(edvo.Error, match=words) as caught:
+        edvo.open_source(make(tmp_path))
+    assert "\n" not in str(caught.value)
+
+
+def test_folders_of_the_program_are_left_to_it(sequence: Path) -> None:
+    assert read_by_core(sequence)
+    source = FolderSource(sequence)
+    assert source.frames == 64 and source.ground_truth is not None
