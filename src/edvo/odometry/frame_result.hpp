@@ -48,6 +48,7 @@ enum class LossCause {
   kOverlap,    // too few of the keyframe's points are in view
   kOutliers,   // too few of the points in view fit
   kResiduals,  // residuals are far larger than usual, of intensity and of depth
+  kTooFast,    // the motion would be faster than any camera moves
   kAmbiguous,  // another motion explains the image as well
 };
 
@@ -124,6 +125,7 @@ struct EnumNames<LossCause> {
       {LossCause::kOverlap, "overlap"},
       {LossCause::kOutliers, "outliers"},
       {LossCause::kResiduals, "residuals"},
+      {LossCause::kTooFast, "too_fast"},
       {LossCause::kAmbiguous, "ambiguous"},
   });
 };

@@ -1,21 +1,52 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/loss_test.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace edvo {
 namespace {
 
+// Residuals alone do not tell a wrong pose from a change of exposure or from the first motion after
+// a long rest, nor does correlation tell it from noise; both together do. Of the 2159 frames of
+// fr1/xyz, desk, rpy and ICL-NUIM kt3 sigma is at most 2.97 times the usual one, and the
+// correlation at least 0.79; wrong poses after a gap of 0.4 s have 4 to 9 times and 0.5 to 0.87.
+// Of a camera at rest images differ by noise alone: that is not what is usual once it moves.
+constexpr double kLeastUsual = 8;  // [grey levels]
+constexpr double kGrown = 2.5, kPoorCorrelation = 0.75;
+constexpr double kFarGrown = 3.2, kFairCorrelation = 0.9;
+
+// No camera in a hand or on an indoor robot moves faster.
+constexpr double kMostSpeed = 8;            // [m/s]
+constexpr double kMostTurn = 15;            // [rad/s]
+constexpr double kLeastSeconds = 1.0 / 30;  // [s] stamps nearer to each other may be wrong
+
 constexpr int kGrid = 8;             // [px]
 constexpr double kHardlyAny = 0.01;  // [0..1] of the grid
 
+// An image of the same place from elsewhere can be aligned well, and no camera moved there.
+bool is_too_fast(const AlignResult& result, const TrackingState& state, const Stamp& stamp) {
+  if (!state.stamp) return false;
+  const double seconds = std::max(kLeastSeconds, seconds_between(*state.stamp, stamp));
+  const SE3 moved = result.alignment.cur_from_ref * inverse(state.alignment.cur_from_ref);
+  return moved.translation.norm() > kMostSpeed * seconds ||
+         rotation_angle(moved) > kMostTurn * seconds;
+}
+
 }  // namespace
 
-LossCause loss_cause(const AlignResult& result, const AlignOptions& options, const TrackingState&) {
+LossCause loss_cause(const AlignResult& result, const AlignOptions& options,
+                     const TrackingState& state, const Stamp& stamp) {
   if (result.overlap < options.min_overlap) return LossCause::kOverlap;
   if (result.inlier_ratio < options.min_inliers) return LossCause::kOutliers;
   if (!(result.correlation >= options.min_correlation)) return LossCause::kUnlike;
   if (result.status == AlignStatus::kLost) return LossCause::kUnlike;  // not finite
+  const double growth =
+      state.usual_sigma > 0 ? result.sigma / std::max(state.usual_sigma, kLeastUsual) : 0;
+  if ((growth > kGrown && result.correlation < kPoorCorrelation) ||
+      (growth > kFarGrown && result.correlation < kFairCorrelation))
+    return LossCause::kResiduals;
+  if (is_too_fast(result, state, stamp)) return LossCause::kTooFast;
   return LossCause::kNone;
 }
 

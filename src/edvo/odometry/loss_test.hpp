@@ -11,7 +11,7 @@ namespace edvo {
 
 // kNone = believe it. state: before the frame.
 [[nodiscard]] LossCause loss_cause(const AlignResult& result, const AlignOptions& options,
-                                   const TrackingState& state);
+                                   const TrackingState& state, const Stamp& stamp);
 
 // What an image itself lacks: kNoDepth, kNoTexture, kFewPoints, or kNone. Reads a grid of pixels.
 [[nodiscard]] LossCause image_fault(const Frame& frame, const SelectOptions& options);

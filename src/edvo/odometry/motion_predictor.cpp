@@ -12,6 +12,11 @@ namespace {
 constexpr double kFarAhead = 3.0;       // times its own duration, a motion tells nothing
 constexpr double kLeastSeconds = 1e-3;  // [s] stamps nearer to each other are not a camera's
 
+// Rotations that are tried where a frame is lost: so many steps to each side.
+constexpr double kFarStep =
+    0.14;  // [rad] alignment at the coarsest level converges from half of it
+constexpr int kFarSteps = 3;
+
 constexpr int kFinestLevel = 3, kCoarsestLevel = 5;
 constexpr double kCoarseStep = 0.05;     // [px of the level] ends a level: only a guess is wanted
 constexpr int kGridStep = 16;            // [px] between points of the whole image
@@ -74,6 +79,30 @@ MotionCandidates MotionPredictor::candidates(const Frame& frame, const SE3& velo
   const AlignResult coarse = align(last_, frame, start, options, scratch);
   if (coarse.status != AlignStatus::kTracked) return {velocity, SE3{}};
   return {coarse.alignment.cur_from_ref, velocity, SE3{}};
+}
+
+MotionCandidates MotionPredictor::far_candidates(const Frame& frame, const SE3& velocity,
+                                                 const Config& config,
+                                                 AlignScratch& scratch) const {
+  const AlignOptions options = coarse_tracking(config);
+  std::vector<SE3> starts = {velocity, SE3{}};
+  for (int yaw = -kFarSteps; yaw <= kFarSteps; ++yaw)
+    for (int pitch = -kFarSteps; pitch <= kFarSteps; ++pitch)
+      for (int roll = -1; roll <= 1; ++roll)
+        starts.push_back(exp(
+            (Vector6d() << 0, 0, 0, kFarStep * pitch, kFarStep * yaw, kFarStep * roll).finished()));
+  std::vector<std::pair<double, std::size_t>> costs;  // and whose
+  for (const SE3& start : starts)
+    costs.push_back(
+        {coarse_cost(last_, frame, {.cur_from_ref = start}, options, scratch), costs.size()});
+  std::sort(costs.begin(), costs.end());
+  MotionCandidates best;
+  for (std::size_t i = 0; i < kMostCandidates && i < costs.size(); ++i) {
+    const SE3& start = starts[costs[i].second];
+    const AlignResult coarse = align(last_, frame, {.cur_from_ref = start}, options, scratch);
+    best.push_back(coarse.status == AlignStatus::kTracked ? coarse.alignment.cur_from_ref : start);
+  }
+  return best;
 }
 
 void MotionPredictor::update(const Frame& frame, const Config& config) {

@@ -11,7 +11,7 @@
 
 namespace edvo {
 
-constexpr std::size_t kMostCandidates = 3;
+constexpr std::size_t kMostCandidates = 6;
 using MotionCandidates = InplaceVector<SE3, kMostCandidates>;  // current_from_last
 
 // Motion from the last good frame to a stamp, if the camera goes on as it did; none (the identity)
@@ -31,6 +31,11 @@ class MotionPredictor {
   // and no motion.
   [[nodiscard]] MotionCandidates candidates(const Frame& frame, const SE3& velocity,
                                             const Config& config, AlignScratch& scratch);
+
+  // Where a frame that these do not lead to could be: rotations over the whole range that leaves a
+  // view in common are tried by their cost, the best are aligned. The likeliest first.
+  [[nodiscard]] MotionCandidates far_candidates(const Frame& frame, const SE3& velocity,
+                                                const Config& config, AlignScratch& scratch) const;
 
   // Makes this frame the one that later frames are aligned to.
   void update(const Frame& frame, const Config& config);

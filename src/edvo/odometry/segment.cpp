@@ -14,11 +14,11 @@ constexpr double kUsualShare = 0.1;  // of a new frame in the usual sigma
 using Guesses = InplaceVector<Alignment, kMostCandidates>;
 
 // Of the frame to the reference keyframe, the one that costs least first.
-Guesses guesses(Segment& segment, const Frame& frame, const SE3& velocity, const Config& config,
-                AlignScratch& scratch) {
+Guesses guesses(const Segment& segment, const Frame& frame, const MotionCandidates& motions,
+                const Config& config, AlignScratch& scratch) {
   Guesses all;
   InplaceVector<std::pair<double, std::size_t>, kMostCandidates> costs;  // and whose
-  for (const SE3& motion : segment.predictor.candidates(frame, velocity, config, scratch)) {
+  for (const SE3& motion : motions) {
     Alignment guess = segment.state.alignment;
     guess.cur_from_ref = motion * guess.cur_from_ref;
     costs.push_back(
@@ -31,6 +31,20 @@ Guesses guesses(Segment& segment, const Frame& frame, const SE3& velocity, const
   return sorted;
 }
 
+// From anywhere that leaves a view in common: the alignment of the smallest residuals.
+AlignResult align_from_afar(const Segment& segment, const Frame& frame, const SE3& velocity,
+                            const Config& config, AlignScratch& scratch) {
+  const MotionCandidates far = segment.predictor.far_candidates(frame, velocity, config, scratch);
+  AlignResult best;
+  for (const Alignment& guess : guesses(segment, frame, far, config, scratch)) {
+    const AlignResult result =
+        align(segment.reference, frame, guess, config.tracking, scratch, PositionPrior{});
+    if (result.status == AlignStatus::kLost) continue;
+    if (best.status == AlignStatus::kLost || result.sigma < best.sigma) best = result;
+  }
+  return best;
+}
+
 }  // namespace
 
 SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
@@ -39,14 +53,22 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
   const SE3 velocity = constant_velocity(state, frame.stamp);
   const PositionPrior prior = position_prior(state, frame.stamp, config.motion.acceleration);
   AlignResult result;
-  for (const Alignment& guess : guesses(segment, frame, velocity, config, scratch)) {
+  const MotionCandidates near = segment.predictor.candidates(frame, velocity, config, scratch);
+  for (const Alignment& guess : guesses(segment, frame, near, config, scratch)) {
     result = align(segment.reference, frame, guess, config.tracking, scratch, prior);
     if (result.status == AlignStatus::kTracked) break;
   }
   result = guard.check(result, segment.reference, frame, velocity, prior, state, scratch);
-  return {.result = result,
-          .loss = loss_cause(result, config.tracking, state),
-          .moving_object_frames = state.moving_object_frames};
+  LossCause loss = loss_cause(result, config.tracking, state, frame.stamp);
+  if (loss != LossCause::kNone && image_fault(frame, config.selection) == LossCause::kNone) {
+    const AlignResult far = align_from_afar(segment, frame, velocity, config, scratch);
+    const LossCause far_loss = loss_cause(far, config.tracking, state, frame.stamp);
+    if (far_loss == LossCause::kNone) {
+      result = far;
+      loss = far_loss;
+    }
+  }
+  return {.result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
 }
 
 void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignment) {
