@@ -2,11 +2,9 @@
 // edvo and OpenCV's RGB-D odometries on the same frames, pass by pass in turn in one process, so
 // that whatever slows the machine down slows all of them down.
 #include "edvo/eval/evaluate.hpp"
-#include "edvo/io/camera_choice.hpp"
-#include "edvo/io/dataset.hpp"
-#include "edvo/io/prefetch.hpp"
-#include "edvo/io/trajectory_file.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "edvo/source/folder_source.hpp"
+#include "edvo/source/prefetch.hpp"
 #include "memory.hpp"
 
 #include <fmt/core.h>
@@ -28,9 +26,10 @@ using namespace edvo;
 
 // Reads ahead and uses each frame in its turn; frames that cannot be read are left out.
 template <typename Read, typename Use>
-void read_ahead(Read read, std::size_t frames, const PrefetchOptions& ahead, Use use) {
-  Prefetch source(read, frames, ahead);
-  while (const auto fetched = source.next())
+void read_ahead(Read read, FolderSource& source, const PrefetchOptions& ahead, Use use) {
+  source.rewind();
+  Prefetch frames(read, source, ahead);
+  while (const auto fetched = frames.next())
     if (const auto* frame = std::get_if<0>(&fetched->content)) use(*frame);
 }
 
@@ -42,10 +41,10 @@ class System {
   [[nodiscard]] virtual Trajectory trajectory() const = 0;
 
   // With images read ahead; tells when each is done.
-  virtual void process_all(const Dataset& dataset, std::size_t frames, const PrefetchOptions& ahead,
+  virtual void process_all(FolderSource& source, const PrefetchOptions& ahead,
                            const std::function<void()>& done) {
-    const auto read = [&](std::size_t i) { return read_frame(dataset, i); };
-    read_ahead(read, frames, ahead, [&](const RgbdImage& image) {
+    const auto read = [](const PendingFrame& frame) { return frame.load(); };
+    read_ahead(read, source, ahead, [&](const RgbdImage& image) {
       process(image);
       done();
     });
@@ -59,11 +58,11 @@ class Edvo : public System {
   Trajectory trajectory() const override { return odometry_.trajectory(); }
 
   // As `edvo run` does: whoever reads an image prepares it, too.
-  void process_all(const Dataset& dataset, std::size_t frames, const PrefetchOptions& ahead,
+  void process_all(FolderSource& source, const PrefetchOptions& ahead,
                    const std::function<void()>& done) override {
     cv::setNumThreads(std::max(1, ahead.threads - 1));
-    const auto read = [&](std::size_t i) { return odometry_.prepare(read_frame(dataset, i)); };
-    read_ahead(read, frames, ahead, [&](const PreparedImage& image) {
+    const auto read = [&](const PendingFrame& frame) { return odometry_.prepare(frame.load()); };
+    read_ahead(read, source, ahead, [&](const PreparedImage& image) {
       (void)odometry_.process(image);
       done();
     });
@@ -144,7 +143,7 @@ RgbdImage imread_frame(const Dataset& dataset, std::size_t index) {
 }
 
 // One pass over the sequence, each frame timed from the end of the one before.
-void run_pass(const Dataset& dataset, std::span<const RgbdImage> decoded, std::size_t frames,
+void run_pass(FolderSource& source, std::span<const RgbdImage> decoded,
               const PrefetchOptions& ahead, Entry& entry) {
   const std::unique_ptr<System> system = entry.make();
   std::vector<double>& times = entry.passes.emplace_back();
@@ -154,9 +153,10 @@ void run_pass(const Dataset& dataset, std::span<const RgbdImage> decoded, std::s
     times.push_back(std::chrono::duration<double, std::milli>(now - last).count());
     last = now;
   };
-  if (entry.reading == Reading::kAhead) system->process_all(dataset, frames, ahead, done);
-  for (std::size_t i = 0; entry.reading != Reading::kAhead && i < frames; ++i) {
-    system->process(entry.reading == Reading::kMemory ? decoded[i] : imread_frame(dataset, i));
+  if (entry.reading == Reading::kAhead) system->process_all(source, ahead, done);
+  for (std::size_t i = 0; entry.reading != Reading::kAhead && i < decoded.size(); ++i) {
+    system->process(entry.reading == Reading::kMemory ? decoded[i]
+                                                      : imread_frame(source.dataset(), i));
     done();
   }
   entry.trajectory = system->trajectory();
@@ -198,12 +198,11 @@ void print_times(const std::string& title, std::span<const Entry> entries) {
   }
 }
 
-void print_errors(const Dataset& dataset, std::span<const Entry> entries) {
-  if (!dataset.ground_truth) return;
-  const Trajectory truth = read_trajectory(*dataset.ground_truth).trajectory;
+void print_errors(const SourceInfo& source, std::span<const Entry> entries) {
+  if (!source.ground_truth) return;
   fmt::print("\n{}\n", describe_protocol({}));
   for (const Entry& entry : entries) {
-    const Evaluation errors = evaluate(truth, entry.trajectory);
+    const Evaluation errors = evaluate(source.ground_truth->trajectory, entry.trajectory);
     fmt::print("{:<46}ATE {:.4f} m", entry.name, errors.ate.distance.rmse);
     if (errors.rpe)
       fmt::print(", RPE {:.4f} m/s, {:.3f} deg/s", errors.rpe->translation.rmse,
@@ -217,7 +216,7 @@ void print_errors(const Dataset& dataset, std::span<const Entry> entries) {
 int main(int argc, char** argv) try {
   CLI::App program{"edvo beside OpenCV's RGB-D odometry on the same frames", "compare_opencv"};
   std::string sequence;
-  std::size_t frames = 200;
+  std::int64_t frames = 200;
   int passes = 5, threads = 2;
   bool with_icp = false;
   program.add_option("sequence", sequence, "folder or archive")->required();
@@ -232,11 +231,10 @@ int main(int argc, char** argv) try {
   app::keep_freed_memory();  // as the edvo program does; OpenCV gains by it, too
   app::take_memory();
   cv::setNumThreads(threads);
-  const Dataset dataset = open_dataset(sequence);
-  const DistortedCamera camera = choose_camera(dataset).camera;
+  FolderSource source(sequence, {.max_frames = frames});
+  const DistortedCamera camera = source.info().camera;
   const Camera& c = camera.pinhole;
   const cv::Mat K = (cv::Mat_<double>(3, 3) << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1);
-  frames = std::min(frames, dataset.frames.size());
 
   const auto edvo_ = [&] { return std::make_unique<Edvo>(camera, Method::kCannyCorner); };
   const auto rgbd = [&] {
@@ -259,17 +257,17 @@ int main(int argc, char** argv) try {
   }
 
   std::vector<RgbdImage> decoded;
-  for (std::size_t i = 0; i < frames; ++i) decoded.push_back(read_frame(dataset, i));
+  while (const auto frame = source.next()) decoded.push_back(frame->load());
   for (int pass = 0; pass < passes; ++pass)
     for (std::vector<Entry>* entries : {&with_decoding, &without})
-      for (Entry& entry : *entries) run_pass(dataset, decoded, frames, {.threads = threads}, entry);
+      for (Entry& entry : *entries) run_pass(source, decoded, {.threads = threads}, entry);
 
-  fmt::print("{}: {} frames, {} passes, OpenCV {}, {} threads each\n\n", dataset.name, frames,
-             passes, CV_VERSION, threads);
+  fmt::print("{}: {} frames, {} passes, OpenCV {}, {} threads each\n\n", source.info().name,
+             decoded.size(), passes, CV_VERSION, threads);
   print_times("Decoding included", with_decoding);
   fmt::print("\n");
   print_times("Images in memory", without);
-  print_errors(dataset, without);
+  print_errors(source.info(), without);
   return 0;
 } catch (const edvo::Error& error) {
   fmt::print(stderr, "compare_opencv: {}\n", error.what());

@@ -11,8 +11,8 @@ from pathlib import Path
 # Higher may include lower. A folder may include itself, not a neighbour of its own height.
 HEIGHT = {
     "apps": 12, "python": 12, "benchmarks": 12, "examples": 12,
-    "run": 11,
-    "report": 10,
+    "report": 11,
+    "run": 10,
     "slam": 9, "synth": 9, "eval": 9,
     "odometry": 8,
     "map": 7,
@@ -25,8 +25,8 @@ HEIGHT = {
 }
 # Never print, never exit.
 SILENT = {"simd", "core", "io", "image", "features", "network", "align", "window", "map", "odometry",
-          "slam", "source"}
-MAY_TOUCH_FILES = {"io", "report"}
+          "slam", "source", "run"}
+MAY_TOUCH_FILES = {"io", "source", "report"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](edvo/)?([^">]+)[">]')
 PRINTS = re.compile(r"<iostream>|<print>|\bspdlog\b|\bstd::(cout|cerr|clog)\b"
@@ -78,9 +78,9 @@ def problems_in(path, root):
         if layer in SILENT and EXITS.search(line):
             yield f"{where}:{number}: '{layer}' must not end the program"
         if layer not in MAY_TOUCH_FILES and READS_ENVIRONMENT.search(line):
-            yield f"{where}:{number}: '{layer}' must not read the environment (io and report may)"
+            yield f"{where}:{number}: '{layer}' must not read the environment (io, source and report may)"
         if layer not in MAY_TOUCH_FILES and FILES.search(line):
-            yield f"{where}:{number}: '{layer}' must not touch the file system (io and report may)"
+            yield f"{where}:{number}: '{layer}' must not touch the file system (io, source and report may)"
 
 
 def main():

@@ -4,7 +4,6 @@
 
 #include "edvo/core/trajectory.hpp"
 #include "edvo/odometry/config.hpp"
-#include "run_evaluation.hpp"
 #include "sequence_input.hpp"
 
 #include <filesystem>

@@ -5,7 +5,7 @@
 #include "edvo/io/file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/run_folder.hpp"
-#include "run_loop.hpp"
+#include "recorded_run.hpp"
 #include "sequence_input.hpp"
 #include "stop_signal.hpp"
 
@@ -48,20 +48,19 @@ std::optional<Json> find_earlier(const fs::path& folder, const RunDescription& d
 }
 
 // Runs, and gives back the summary as it is on disk. Nothing but runs is ever replaced.
-Json run_anew(const fs::path& folder, const OpenedSequence& sequence, const BenchSystem& system,
+Json run_anew(const fs::path& folder, FolderSource& source, const BenchSystem& system,
               const RunDescription& description, const std::optional<GroundTruth>& truth,
               const BenchOptions& options) {
-  RunOptions run;
+  RunFlags run;
   run.output = folder.string();
   run.force = fs::exists(folder / "frames.jsonl");
   run.threads = options.threads;
   run.no_report = options.no_report;
   run.quiet = options.quiet || isatty(STDERR_FILENO) == 0;
-  try {
-    static_cast<void>(run_frames(input_from(sequence), description, system.config, truth, run));
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::kTrackingLost) throw;  // this one comes with a summary
-  }
+  source.rewind();
+  const RecordedRun result = record_run(source, description, system.config, run, truth);
+  if (result.failure && result.failure->code() != ErrorCode::kTrackingLost)
+    throw Error(*result.failure);
   return Json::parse(read_file(folder / "summary.json"));
 }
 
@@ -89,7 +88,7 @@ bool same_poses(const fs::path& a, const fs::path& b) {
 // Everything that a cell of a sequence needs.
 struct Sequence {
   const BenchSequence& choice;
-  OpenedSequence opened;
+  FolderSource& source;
   std::optional<GroundTruth> truth;
   EvalOptions options;
 };
@@ -145,7 +144,7 @@ void run_repeats(const BenchManifest& manifest, const BenchOptions& options,
   const std::string method = cell.kind == CellKind::kVariant
                                  ? fmt::format("{}: {}", system.method, system.name)
                                  : system.method;
-  const RunDescription description = describe_run(sequence.opened, method, system.config);
+  const RunDescription description = describe_run(sequence.source.info(), method, system.config);
   std::vector<double> medians, p95s;
   for (int repeat = 1; repeat <= manifest.repeats; ++repeat) {
     const fs::path folder = manifest.output / folder_name(sequence.choice.name) /
@@ -154,7 +153,7 @@ void run_repeats(const BenchManifest& manifest, const BenchOptions& options,
         options.force ? std::nullopt : find_earlier(folder, description);
     const Json summary =
         earlier ? *earlier
-                : run_anew(folder, sequence.opened, system, description, sequence.truth, options);
+                : run_anew(folder, sequence.source, system, description, sequence.truth, options);
     if (summary.at("interrupted").get<bool>()) {
       cell.problem = kInterrupted;
       return;
@@ -230,17 +229,13 @@ struct Talk {
 
 // --- one sequence -------------------------------------------------------------------------------
 
-Sequence open(const BenchSequence& choice, bool quiet) {
-  Sequence sequence{.choice = choice,
-                    .opened = open_sequence(choice.choice, quiet),
-                    .truth = choice.truth,
-                    .options = {}};
-  std::vector<std::string> warnings = sequence.opened.dataset.warnings;
-  if (!sequence.truth) sequence.truth = read_ground_truth(sequence.opened.dataset, warnings);
-  const FrameRange& range = sequence.opened.range;
-  sequence.options.frames = static_cast<int>(range.end - range.begin);
-  Talk::warn(choice.name, warnings);
-  return sequence;
+Sequence with_truth(const BenchSequence& choice, FolderSource& source) {
+  const SourceInfo& info = source.info();
+  Talk::warn(choice.name, info.warnings);
+  return {.choice = choice,
+          .source = source,
+          .truth = choice.truth ? choice.truth : info.ground_truth,
+          .options = {.frames = static_cast<int>(info.frames.value())}};
 }
 
 void run_systems(const BenchManifest& manifest, const BenchOptions& options,
@@ -263,7 +258,8 @@ BenchRow run_row(const BenchManifest& manifest, const BenchOptions& options,
   std::string problem(kInterrupted);
   try {
     if (!interrupted) {
-      const Sequence sequence = open(choice, options.quiet);
+      FolderSource source = open_sequence(choice.choice, options.quiet);
+      const Sequence sequence = with_truth(choice, source);
       truth = sequence.truth;
       evaluation = sequence.options;
       row.frames = evaluation.frames;

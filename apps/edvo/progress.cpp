@@ -29,31 +29,39 @@ std::size_t terminal_width() {
 
 }  // namespace
 
-Progress::Progress(std::int64_t frames, bool quiet)
-    : frames_(frames), quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(bool quiet) : quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) != 0) {}
 
 Progress::~Progress() {
   clear_line();
 }
 
-void Progress::frame_done(const FrameResult& report) {
-  status_ = std::string(name_of(report.status));
-  inlier_ratio_ = report.inlier_ratio;
-  if (report.status == FrameStatus::kLost) ++lost_;
-  if (report.keyframe_reason) ++keyframes_;
+void Progress::begin(const SourceInfo& source) {
+  frames_ = source.frames;
+  start_ = Clock::now();
+}
+
+void Progress::frame(const FrameResult& result, const Frame& /*image*/) {
+  status_ = std::string(name_of(result.status));
+  inlier_ratio_ = result.inlier_ratio;
+  if (result.status == FrameStatus::kLost) ++lost_;
+  if (result.new_keyframe) ++keyframes_;
   ++done_;
   advance(done_ == frames_);
 }
 
-void Progress::frame_skipped() {
+void Progress::skipped(const SkippedFrame& frame) {
+  constexpr std::int64_t kMostWarnings = 10;  // a folder half empty must not flood the terminal
   ++skipped_;
+  if (skipped_ <= kMostWarnings)
+    warning(fmt::format("frame {} skipped: {}", frame.index, frame.reason));
+  if (skipped_ == kMostWarnings) warning("should more be skipped, frames.jsonl will name them");
   ++done_;
   advance(done_ == frames_);
 }
 
-void Progress::say(std::string_view line) {
+void Progress::warning(const std::string& text) {
   clear_line();
-  fmt::print(stderr, "{}\n", line);
+  fmt::print(stderr, "warning: {}\n", text);
 }
 
 void Progress::advance(bool is_last_word) {
@@ -68,10 +76,12 @@ void Progress::advance(bool is_last_word) {
     on_screen_ = true;
     return;
   }
-  const std::int64_t tenths = frames_ > 0 ? 10 * done_ / frames_ : 0;
-  if (tenths == tenths_) return;
-  tenths_ = tenths;
-  fmt::print(stderr, "{:3} %  {}\n", 10 * tenths, line());
+  constexpr std::int64_t kEvery = 100;  // frames, where there is no tenth
+  const std::int64_t step =
+      frames_ ? 10 * done_ / std::max<std::int64_t>(1, *frames_) : done_ / kEvery;
+  if (step == step_) return;
+  step_ = step;
+  fmt::print(stderr, "{}{}\n", frames_ ? fmt::format("{:3} %  ", 10 * step) : "", line());
 }
 
 void Progress::clear_line() {
@@ -82,10 +92,14 @@ void Progress::clear_line() {
 std::string Progress::line() const {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   const double rate = seconds > 0 ? static_cast<double>(done_) / seconds : 0;
-  const double left = rate > 0 ? static_cast<double>(frames_ - done_) / rate : 0;
-  std::string text =
-      fmt::format("frame {}/{}  {:.1f} fps  ETA {}  {}  inliers {:.0f} %  keyframes {}", done_,
-                  frames_, rate, clock_time(left), status_, 100 * inlier_ratio_, keyframes_);
+  std::string text = fmt::format("frame {}", done_);
+  if (frames_) text += fmt::format("/{}", *frames_);
+  text += fmt::format("  {:.1f} fps", rate);
+  if (frames_)
+    text += fmt::format("  ETA {}",
+                        clock_time(rate > 0 ? static_cast<double>(*frames_ - done_) / rate : 0));
+  text +=
+      fmt::format("  {}  inliers {:.0f} %  keyframes {}", status_, 100 * inlier_ratio_, keyframes_);
   if (lost_ > 0) text += fmt::format("  lost {}", lost_);
   if (skipped_ > 0) text += fmt::format("  skipped {}", skipped_);
   return text;

@@ -2,28 +2,31 @@
 // How far a run is: one line that is rewritten on a terminal, a line per tenth elsewhere.
 #pragma once
 
-#include "edvo/odometry/frame_result.hpp"
+#include "edvo/run/observer.hpp"
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
-#include <string_view>
 
 namespace edvo::app {
 
 // Writes to stderr.
-class Progress {
+class Progress final : public Observer {
  public:
-  Progress(std::int64_t frames, bool quiet);
-  ~Progress();
+  explicit Progress(bool quiet);
+  ~Progress() override;
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void frame_done(const FrameResult& report);
-  void frame_skipped();
+  void begin(const SourceInfo& source) override;
+  void frame(const FrameResult& result, const Frame& image) override;
+
+  // Warned of, also when quiet, but not by the hundred.
+  void skipped(const SkippedFrame& frame) override;
 
   // A line of its own, whatever stands on the terminal. Shown also when quiet.
-  void say(std::string_view line);
+  void warning(const std::string& text) override;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -32,13 +35,13 @@ class Progress {
   void clear_line();
   [[nodiscard]] std::string line() const;
 
-  std::int64_t frames_;
+  std::optional<std::int64_t> frames_;  // none = not known
   bool quiet_;
   bool is_terminal_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_shown_ = {};
   std::int64_t done_ = 0, lost_ = 0, skipped_ = 0, keyframes_ = 0;
-  std::int64_t tenths_ = 0;
+  std::int64_t step_ = 0;  // last one shown: tenths of the run, or hundreds of frames
   std::string status_ = "-";
   double inlier_ratio_ = 0;  // [0..1]
   bool on_screen_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // edvo run SEQUENCE
 #include "commands.hpp"
+#include "recorded_run.hpp"
 #include "sequence_input.hpp"
 
 #include <memory>
@@ -10,18 +11,13 @@ namespace {
 
 struct Arguments {
   SequenceChoice sequence;
-  RunOptions run;
+  RunFlags run;
 };
 
 void run(const Arguments& arguments) {
   const Config config = resolve_config(arguments.run.config);
-  const OpenedSequence sequence = open_sequence(arguments.sequence, arguments.run.quiet);
-  RunDescription description = describe_run(sequence, method_name(arguments.run), config);
-  const std::optional<GroundTruth> truth =
-      read_ground_truth(sequence.dataset, description.warnings);
-  show_choices(description, arguments.run);
-  show_result(run_frames(input_from(sequence), description, config, truth, arguments.run),
-              arguments.run);
+  FolderSource source = open_sequence(arguments.sequence, arguments.run.quiet);
+  run_and_show(source, config, arguments.run);
 }
 
 }  // namespace
@@ -46,7 +42,7 @@ void add_run_command(CLI::App& program) {
   command->add_option("--max-frames", sequence.max_frames, "Stop after so many frames")
       ->type_name("N")
       ->check(CLI::PositiveNumber);
-  add_run_options(*command, arguments->run);
+  add_run_flags(*command, arguments->run);
   command->callback([arguments] { run(*arguments); });
 }
 

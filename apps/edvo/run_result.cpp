@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user is shown before a run and after it.
-#include "run_loop.hpp"
-#include "stop_signal.hpp"
+#include "run_result.hpp"
 
 #include <fmt/core.h>
 
@@ -17,9 +15,12 @@ std::string counted(std::int64_t count, const char* noun) {
 }
 
 void print_counts(const RunSummary& summary) {
-  fmt::print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n",
-             summary.tracked, summary.lost, counted(summary.lost_events, "event"),
-             summary.skipped.size(), 100 * summary.coverage);
+  const FrameCounts& counts = summary.counts;
+  fmt::print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n", counts.tracked,
+             counts.lost, counted(summary.lost_events, "event"), counts.skipped,
+             100 * summary.coverage);
+  if (counts.dropped > 0)
+    fmt::print("           {} dropped, as later ones had come\n", counts.dropped);
   fmt::print("keyframes  {}\n", summary.keyframes);
   fmt::print("path       {:.3f} m\n", summary.path_length);
   fmt::print(
@@ -71,9 +72,10 @@ void print_profile(const RunSummary& summary) {
 
 }  // namespace
 
-void show_choices(const RunDescription& run, const RunOptions& options) {
-  if (!options.quiet) {
-    fmt::print(stderr, "sequence  {}, {} frames\n", run.source, run.frames);
+void show_choices(const RunDescription& run, const RunFlags& flags) {
+  if (!flags.quiet) {
+    fmt::print(stderr, "sequence  {}, {}\n", run.source,
+               run.frames ? counted(*run.frames, "frame") : "length not known");
     fmt::print(stderr, "camera    {}\n", run.camera_origin);
     fmt::print(stderr, "method    {}\n", run.method);
     for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
@@ -81,9 +83,9 @@ void show_choices(const RunDescription& run, const RunOptions& options) {
   for (const std::string& warning : run.warnings) fmt::print(stderr, "warning: {}\n", warning);
 }
 
-void show_result(const RunResult& result, const RunOptions& options) {
+void show_result(const RecordedRun& result, const RunFlags& flags) {
   const RunSummary& summary = result.summary;
-  if (options.json) {
+  if (flags.json) {
     Json json = Json::parse(to_json(summary));
     json["folder"] = result.folder.string();
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -92,10 +94,9 @@ void show_result(const RunResult& result, const RunOptions& options) {
                summary.interrupted ? ", interrupted" : "");
     print_counts(summary);
     if (summary.evaluation) print_errors(*summary.evaluation);
-    if (options.profile) print_profile(summary);
+    if (flags.profile) print_profile(summary);
     fmt::print("\nwritten to {}\n", result.folder.string());
   }
-  if (summary.interrupted) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
 }
 
 }  // namespace edvo::app

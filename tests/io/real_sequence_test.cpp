@@ -2,7 +2,8 @@
 // Reading of a whole real sequence (TUM fr1/xyz; colour as JPEG, depth as 16-bit PNG).
 #include "edvo/io/camera_choice.hpp"
 #include "edvo/io/dataset.hpp"
-#include "edvo/io/prefetch.hpp"
+#include "edvo/source/folder_source.hpp"
+#include "edvo/source/prefetch.hpp"
 #include "support/shared_data.hpp"
 
 #include <gtest/gtest.h>
@@ -32,17 +33,17 @@ TEST(RealSequence, AssociatesAsTheTumToolDoes) {
 
 TEST(RealSequence, FramesAreTheSameForAnyNumberOfThreads) {
   EDVO_REQUIRE_SHARED(sequence());
-  constexpr std::size_t kCount = 30;
-  const Dataset dataset = open_dataset(sequence());
-  const auto read = [&](std::size_t index) { return read_frame(dataset, index); };
-  Prefetch alone(read, kCount, {.threads = 1});
-  Prefetch ahead(read, kCount, {.threads = 3});
+  constexpr int kCount = 30;
+  FolderSource one(sequence(), {.max_frames = kCount}), other(sequence(), {.max_frames = kCount});
+  const auto read = [](const PendingFrame& frame) { return frame.load(); };
+  Prefetch alone(read, one, {.threads = 1});
+  Prefetch ahead(read, other, {.threads = 3});
   for (std::size_t i = 0; i < kCount; ++i) {
     const auto a = alone.next(), b = ahead.next();
     ASSERT_TRUE(a && b);
     const RgbdImage& first = std::get<RgbdImage>(a->content);
     const RgbdImage& second = std::get<RgbdImage>(b->content);
-    EXPECT_EQ(first.stamp, dataset.frames[i].stamp);
+    EXPECT_EQ(first.stamp, one.dataset().frames[i].stamp);
     EXPECT_EQ(first.stamp, second.stamp);
     EXPECT_EQ(cv::norm(first.bgr, second.bgr, cv::NORM_INF), 0);
     const cv::Mat first_depth = cv::max(first.depth, 0.0F),

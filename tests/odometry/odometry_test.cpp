@@ -4,8 +4,9 @@
 #include "edvo/core/error.hpp"
 #include "edvo/eval/evaluate.hpp"
 #include "edvo/io/dataset.hpp"
-#include "edvo/io/prefetch.hpp"
 #include "edvo/io/trajectory_file.hpp"
+#include "edvo/source/prefetch.hpp"
+#include "support/made_source.hpp"
 #include "support/matchers.hpp"
 #include "support/rendered_sequence.hpp"
 #include "support/shared_data.hpp"
@@ -172,21 +173,22 @@ TEST(Odometry, GivesTheSameBitsTwice) {
 }
 
 TEST(Odometry, ImagesPreparedByAnotherThreadGiveTheSameBits) {
-  constexpr std::size_t kImages = 12;
+  constexpr int kImages = 12;
   Odometry direct({kVgaCamera, {}}, preset(Method::kCannyCorner));
   Odometry stepwise({kVgaCamera, {}}, preset(Method::kCannyCorner));
-  const auto image = [](std::size_t i) {
+  const auto image = [](std::int64_t i) {
     return view(static_cast<int>(i), sideways(static_cast<int>(i)));
   };
-  Prefetch prepared([&](std::size_t i) { return stepwise.prepare(image(i)); }, kImages,
-                    {.threads = 3});
+  test::MadeSource source(kImages, image);
+  Prefetch prepared([&](const PendingFrame& frame) { return stepwise.prepare(frame.load()); },
+                    source, {.threads = 3});
   while (const auto next = prepared.next()) {
     const SE3 expected = direct.process(image(next->index)).world_from_camera;
     const SE3 pose = stepwise.process(std::get<PreparedImage>(next->content)).world_from_camera;
     EXPECT_EQ(pose.translation, expected.translation) << next->index;
     EXPECT_EQ(pose.rotation.coeffs(), expected.rotation.coeffs()) << next->index;
   }
-  EXPECT_EQ(stepwise.trajectory().size(), kImages);
+  EXPECT_EQ(stepwise.trajectory().size(), std::size_t{kImages});
 }
 
 TEST(Odometry, DenseMethodFollowsToo) {

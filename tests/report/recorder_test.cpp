@@ -34,16 +34,26 @@ std::vector<json> lines_of(const fs::path& file) {
   return lines;
 }
 
-// Ready to be finished: the poses of the log are the final ones.
-RunOutcome outcome_of(const Recorder& recorder) {
-  return {.trajectory = recorder.log().online, .keyframes = {recorder.log().online.front()}};
+constexpr bool kWithHtml = true;
+
+// Of frames 0 to count - 1: the poses known at the time are the final ones.
+RunOutcome outcome_of(int count) {
+  RunOutcome outcome;
+  for (int i = 0; i < count; ++i) {
+    const FrameResult result = sample_report(i);
+    add_to(outcome.counts, result);
+    outcome.online.push_back({result.stamp, result.world_from_camera});
+  }
+  outcome.trajectory = outcome.online;
+  outcome.keyframes = {outcome.online.front()};
+  return outcome;
 }
 
 TEST(Recorder, HasEveryFrameOnDiskAsSoonAsItIsTold) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
   for (int i = 0; i < 5; ++i) {
-    recorder.append(sample_report(i));
+    recorder.frame(sample_report(i), {});
     const std::vector<json> lines = lines_of(folder.path() / "frames.jsonl");
     ASSERT_EQ(lines.size(), i + 1u);
     EXPECT_EQ(lines.back()["index"], i);
@@ -54,11 +64,11 @@ TEST(Recorder, HasEveryFrameOnDiskAsSoonAsItIsTold) {
 
 TEST(Recorder, WritesWhatIsKnownOfAFrame) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
   FrameResult report = sample_report(20);
   report.world_from_camera = {.translation = {1, 2, 3}};
   report.information(0, 5) = 7;
-  recorder.append(report);
+  recorder.frame(report, {});
   const json line = lines_of(folder.path() / "frames.jsonl").front();
   EXPECT_EQ(line["status"], "tracked");
   EXPECT_EQ(line["keyframe"], "period");
@@ -72,24 +82,24 @@ TEST(Recorder, WritesWhatIsKnownOfAFrame) {
 
 TEST(Recorder, LeavesLostFramesOutOfTheTrajectory) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
   FrameResult lost = sample_report(1);
   lost.status = FrameStatus::kLost;
   for (const FrameResult& report : {sample_report(0), lost, sample_report(2)})
-    recorder.append(report);
+    recorder.frame(report, {});
   EXPECT_EQ(read_trajectory(folder.path() / "trajectory.tum").trajectory.size(), 2u);
   EXPECT_EQ(lines_of(folder.path() / "frames.jsonl")[1]["status"], "lost");
 }
 
 TEST(Recorder, WritesNullForWhatIsNotANumber) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
   FrameResult report = sample_report(1);
   report.status = FrameStatus::kLost;
   report.rms = std::numeric_limits<double>::quiet_NaN();
   report.levels[0].cost = std::numeric_limits<double>::infinity();
   report.information(0, 0) = std::numeric_limits<double>::quiet_NaN();
-  recorder.append(report);
+  recorder.frame(report, {});
   const json line = lines_of(folder.path() / "frames.jsonl").front();
   EXPECT_TRUE(line["rms"].is_null());
   EXPECT_TRUE(line["levels"][0]["cost"].is_null());
@@ -98,8 +108,8 @@ TEST(Recorder, WritesNullForWhatIsNotANumber) {
 
 TEST(Recorder, NamesSkippedFramesAndTheirReason) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
-  recorder.append(SkippedFrame{.index = 3, .stamp = "1.5", .reason = "3.png: truncated \xff"});
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
+  recorder.skipped(SkippedFrame{.index = 3, .stamp = "1.5", .reason = "3.png: truncated \xff"});
   const json line = lines_of(folder.path() / "frames.jsonl").front();
   EXPECT_EQ(line["status"], "skipped");
   EXPECT_THAT(line["reason"].get<std::string>(), HasSubstr("3.png: truncated"));
@@ -107,13 +117,13 @@ TEST(Recorder, NamesSkippedFramesAndTheirReason) {
 
 TEST(Recorder, FinishReplacesTheTrajectoryAndKeepsTheOneKnownAtTheTime) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
-  for (int i = 0; i < 4; ++i) recorder.append(sample_report(i));
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
+  for (int i = 0; i < 4; ++i) recorder.frame(sample_report(i), {});
   const std::string live = text_of(folder.path() / "trajectory.tum");
-  RunOutcome outcome = outcome_of(recorder);
+  RunOutcome outcome = outcome_of(4);
   for (StampedPose& pose : outcome.trajectory) pose.world_from_camera.translation.x() += 1;
-  const RunSummary summary = recorder.finish(outcome, true);
-  EXPECT_EQ(summary.tracked, 4);
+  recorder.end(outcome);
+  EXPECT_EQ(recorder.summary().counts.tracked, 4);
   EXPECT_EQ(text_of(folder.path() / "trajectory_online.tum"), live);
   const Trajectory refined = read_trajectory(folder.path() / "trajectory.tum").trajectory;
   ASSERT_EQ(refined.size(), 4u);
@@ -127,9 +137,9 @@ TEST(Recorder, FinishReplacesTheTrajectoryAndKeepsTheOneKnownAtTheTime) {
 
 TEST(Recorder, LeavesNoHalfFilesBehind) {
   const test::TemporaryFolder folder;
-  Recorder recorder(folder.path(), sample_description());
-  recorder.append(sample_report(0));
-  (void)recorder.finish(outcome_of(recorder), false);
+  Recorder recorder(folder.path(), sample_description(), !kWithHtml);
+  recorder.frame(sample_report(0), {});
+  recorder.end(outcome_of(1));
   for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
   EXPECT_FALSE(fs::exists(folder.path() / "report.html"));
@@ -139,17 +149,18 @@ TEST(Recorder, SaysWhichFileCannotBeWritten) {
   const test::TemporaryFolder folder;
   fs::create_directory(folder.path() / "frames.jsonl");
   EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"frames.jsonl"},
-                               [&] { Recorder(folder.path(), sample_description()); }));
-  EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"nowhere/frames.jsonl"},
-                               [&] { Recorder(folder.path() / "nowhere", sample_description()); }));
+                               [&] { Recorder(folder.path(), sample_description(), kWithHtml); }));
+  EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"nowhere/frames.jsonl"}, [&] {
+    Recorder(folder.path() / "nowhere", sample_description(), kWithHtml);
+  }));
 }
 
 TEST(Recorder, SaysWhenTheDiskIsFull) {
   const test::TemporaryFolder folder;
   fs::create_symlink("/dev/full", folder.path() / "frames.jsonl");
-  Recorder recorder(folder.path(), sample_description());
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
   EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"frames.jsonl", "space"},
-                               [&] { recorder.append(sample_report(0)); }));
+                               [&] { recorder.frame(sample_report(0), {}); }));
 }
 
 }  // namespace

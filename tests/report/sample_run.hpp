@@ -76,6 +76,7 @@ inline SampleRun sample_run(std::int64_t frames) {
                               .inlier_ratio = static_cast<float>(report.inlier_ratio),
                               .overlap = static_cast<float>(report.overlap),
                               .milliseconds = report.milliseconds});
+    add_to(run.outcome.counts, report);
     if (report.status == FrameStatus::kLost) continue;
     const StampedPose pose{report.stamp, report.world_from_camera};
     run.outcome.trajectory.push_back(pose);
@@ -87,7 +88,7 @@ inline SampleRun sample_run(std::int64_t frames) {
       curve->values.push_back(0.01 + 0.005 * std::sin(0.05 * t) + 0.002 * std::sin(2.1 * t));
     }
   }
-  run.log.online = run.outcome.trajectory;
+  run.outcome.online = run.outcome.trajectory;
   run.outcome.wall_seconds = static_cast<double>(frames) / 100.0;
   RunEvaluation evaluation{.ground_truth = "groundtruth.txt",
                            .protocol = "TUM protocol: ATE rmse, RPE rmse over fixed delta 1s",

@@ -18,8 +18,8 @@ using test::sample_run;
 TEST(Summary, CountsFramesAndLostEvents) {
   const test::SampleRun run = sample_run(800);  // lost: 391..399, 791..799
   const RunSummary summary = summarize(sample_description(), run.log, run.outcome);
-  EXPECT_EQ(summary.tracked, 782);
-  EXPECT_EQ(summary.lost, 18);
+  EXPECT_EQ(summary.counts.tracked, 782);
+  EXPECT_EQ(summary.counts.lost, 18);
   EXPECT_EQ(summary.lost_events, 2);
   EXPECT_EQ(summary.keyframes, 40);
   EXPECT_DOUBLE_EQ(summary.coverage, 782.0 / 800);
@@ -27,6 +27,7 @@ TEST(Summary, CountsFramesAndLostEvents) {
 
 TEST(Summary, CountsSkippedFramesAgainstTheCoverage) {
   test::SampleRun run = sample_run(9);
+  run.outcome.counts.skipped = 1;
   run.log.skipped = {{.index = 9, .stamp = "1", .reason = "truncated"}};
   const RunSummary summary = summarize(sample_description(), run.log, run.outcome);
   EXPECT_DOUBLE_EQ(summary.coverage, 0.9);

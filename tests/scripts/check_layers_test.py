@@ -39,9 +39,9 @@ class CheckLayers(unittest.TestCase):
             self.assertEqual(check(src__edvo__odometry__a=text)[0], 1, text)
         self.assertEqual(check(apps__edvo__a='fmt::print("x");')[0], 0)
 
-    def test_only_io_and_report_touch_files(self):
-        for layer, status in (("core", 1), ("align", 1), ("eval", 1), ("synth", 1), ("io", 0),
-                              ("report", 0)):
+    def test_only_io_source_and_report_touch_files(self):
+        for layer, status in (("core", 1), ("align", 1), ("eval", 1), ("synth", 1), ("run", 1),
+                              ("io", 0), ("source", 0), ("report", 0)):
             self.assertEqual(check(**{f"src__edvo__{layer}__a": "#include <fstream>"})[0], status)
 
     def test_words_in_comments_and_strings_do_not_count(self):

@@ -63,17 +63,18 @@ std::vector<Tile> error_tiles(const RunEvaluation& evaluation) {
 
 std::string tiles_section(const RunSummary& summary, const RunLog& log) {
   std::vector<Tile> tiles;
-  const std::int64_t processed = summary.tracked + summary.lost;
-  const auto skipped = static_cast<std::int64_t>(summary.skipped.size());
-  const bool complete = summary.lost == 0 && skipped == 0 && !summary.interrupted;
+  const FrameCounts& counts = summary.counts;
+  const bool complete = counts.lost == 0 && counts.skipped == 0 && !summary.interrupted;
   tiles.push_back(
       {.name = "Frames tracked",
-       .value = thousands(summary.tracked),
-       .unit = fmt::format("of {}", thousands(processed + skipped)),
-       .more = fmt::format("{} lost<br>{} skipped", thousands(summary.lost), thousands(skipped)),
-       .mood = complete           ? "good"
-               : summary.lost > 0 ? "bad"
-                                  : ""});
+       .value = thousands(counts.tracked),
+       .unit = fmt::format("of {}", thousands(frames_due(counts))),
+       .more =
+           fmt::format("{} lost<br>{} skipped", thousands(counts.lost), thousands(counts.skipped)) +
+           (counts.dropped > 0 ? fmt::format("<br>{} dropped", thousands(counts.dropped)) : ""),
+       .mood = complete          ? "good"
+               : counts.lost > 0 ? "bad"
+                                 : ""});
   if (summary.evaluation)
     for (const Tile& tile : error_tiles(*summary.evaluation)) tiles.push_back(tile);
   tiles.push_back(
@@ -86,13 +87,13 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
                    .value = thousands(summary.keyframes),
                    .more = summary.keyframes > 0
                                ? fmt::format("one per {:.1f} frames",
-                                             static_cast<double>(summary.tracked) /
+                                             static_cast<double>(counts.tracked) /
                                                  static_cast<double>(summary.keyframes))
                                : "none"});
   tiles.push_back({.name = "Lost events",
                    .value = thousands(summary.lost_events),
-                   .more = summary.lost > 0 ? plural(summary.lost, "frame") + " without a pose"
-                                            : "every frame has a pose",
+                   .more = counts.lost > 0 ? plural(counts.lost, "frame") + " without a pose"
+                                           : "every frame has a pose",
                    .mood = summary.lost_events > 0 ? "bad" : ""});
   const double seconds =
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
@@ -117,12 +118,14 @@ std::string list_of(const std::vector<std::string>& items) {
 
 std::string warnings_section(const RunSummary& summary) {
   std::vector<std::string> warnings = summary.run.warnings;
-  if (summary.interrupted)
-    warnings.insert(warnings.begin(),
-                    fmt::format("Stopped by the user after {} of {} frames.",
-                                summary.tracked + summary.lost +
-                                    static_cast<std::int64_t>(summary.skipped.size()),
-                                summary.run.frames));
+  if (!summary.error.empty())
+    warnings.insert(warnings.begin(), "The run ended in an error: " + summary.error);
+  if (summary.interrupted) {
+    const std::string total =
+        summary.run.frames ? fmt::format("of {} ", *summary.run.frames) : std::string();
+    warnings.insert(warnings.begin(), fmt::format("Stopped by the user after {} {}frames.",
+                                                  frames_due(summary.counts), total));
+  }
   constexpr std::size_t kMostSkipped = 10;
   for (std::size_t i = 0; i < std::min(kMostSkipped, summary.skipped.size()); ++i)
     warnings.push_back(

@@ -11,16 +11,17 @@
 
 namespace edvo {
 
-Recorder::Recorder(std::filesystem::path folder, RunDescription run)
+Recorder::Recorder(std::filesystem::path folder, RunDescription run, bool with_html)
     : folder_(std::move(folder)),
       run_(std::move(run)),
+      with_html_(with_html),
       frames_(folder_ / "frames.jsonl"),
       trajectory_(folder_ / "trajectory.tum") {
   run_.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   write_whole(folder_ / "config.toml", run_.config);
 }
 
-void Recorder::append(const FrameResult& report) {
+void Recorder::frame(const FrameResult& report, const Frame& /*image*/) {
   frames_.append(to_json_line(report));
   log_.frames.push_back({.index = report.index,
                          .stamp = report.stamp,
@@ -31,28 +32,26 @@ void Recorder::append(const FrameResult& report) {
                          .milliseconds = report.milliseconds,
                          .finished = std::chrono::duration<double>(Clock::now() - begun_).count()});
   if (report.status == FrameStatus::kLost) return;
-  const StampedPose pose{.stamp = report.stamp, .world_from_camera = report.world_from_camera};
-  trajectory_.append(trajectory_line(pose));
-  log_.online.push_back(pose);
+  trajectory_.append(
+      trajectory_line({.stamp = report.stamp, .world_from_camera = report.world_from_camera}));
 }
 
-void Recorder::append(const SkippedFrame& skipped) {
+void Recorder::skipped(const SkippedFrame& skipped) {
   frames_.append(to_json_line(skipped));
   log_.skipped.push_back(skipped);
 }
 
-void Recorder::warn(const std::string& warning) {
-  run_.warnings.push_back(warning);
+void Recorder::warning(const std::string& text) {
+  run_.warnings.push_back(text);
 }
 
-RunSummary Recorder::finish(const RunOutcome& outcome, bool with_html) {
-  write_trajectory(folder_ / "trajectory_online.tum", log_.online);
+void Recorder::end(const RunOutcome& outcome) {
+  write_trajectory(folder_ / "trajectory_online.tum", outcome.online);
   write_trajectory(folder_ / "trajectory.tum", outcome.trajectory);
   write_trajectory(folder_ / "keyframes.tum", outcome.keyframes);
-  const RunSummary summary = summarize(run_, log_, outcome);
-  write_whole(folder_ / "summary.json", to_json(summary));
-  if (with_html) write_whole(folder_ / "report.html", to_html(summary, log_, outcome));
-  return summary;
+  summary_ = summarize(run_, log_, outcome);
+  write_whole(folder_ / "summary.json", to_json(summary_));
+  if (with_html_) write_whole(folder_ / "report.html", to_html(summary_, log_, outcome));
 }
 
 }  // namespace edvo

@@ -155,7 +155,7 @@ double quantile(std::vector<double> values, double p) {
 }
 
 double frames_per_second(const RunSummary& summary) {
-  const auto processed = static_cast<double>(summary.tracked + summary.lost);
+  const auto processed = static_cast<double>(frames_processed(summary.counts));
   return summary.wall_seconds > 0 ? processed / summary.wall_seconds : 0.0;
 }
 
@@ -182,9 +182,27 @@ std::string config_hash(std::string_view config) {
   return fmt::format("{:016x}", hash);
 }
 
+RunDescription describe_run(const SourceInfo& source, const std::string& command,
+                            const std::string& method, const std::string& config) {
+  return {.sequence = source.name,
+          .source = source.origin,
+          .command = command,
+          .method = method,
+          .config = config,
+          .camera = source.camera,
+          .camera_origin = source.camera_origin,
+          .depth_scale = source.depth_scale,
+          .depth_origin = source.depth_origin,
+          .frames = source.frames,
+          .seed = source.seed,
+          .notes = source.notes,
+          .warnings = source.warnings};
+}
+
 RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutcome& outcome) {
   RunSummary summary{.run = run,
                      .machine = this_machine(),
+                     .counts = outcome.counts,
                      .keyframes = static_cast<std::int64_t>(outcome.keyframes.size()),
                      .skipped = log.skipped,
                      .path_length = path_length(outcome.trajectory),
@@ -192,18 +210,17 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
                      .peak_memory = peak_memory(),
                      .slowest_second = slowest_second(log.frames),
                      .interrupted = outcome.interrupted,
+                     .error = outcome.error ? outcome.error->what() : "",
                      .evaluation = outcome.evaluation,
                      .no_evaluation = outcome.no_evaluation};
   bool was_lost = false;
   for (const FrameRecord& frame : log.frames) {
     const bool is_lost = frame.status == FrameStatus::kLost;
-    if (is_tracked(frame.status)) ++summary.tracked;
-    if (is_lost) ++summary.lost;
     if (is_lost && !was_lost) ++summary.lost_events;
     was_lost = is_lost;
   }
-  const auto due = static_cast<double>(log.frames.size() + log.skipped.size());
-  if (due > 0) summary.coverage = static_cast<double>(summary.tracked) / due;
+  const auto due = static_cast<double>(frames_due(outcome.counts));
+  if (due > 0) summary.coverage = static_cast<double>(outcome.counts.tracked) / due;
   for (const Stage& stage : kStages)
     summary.stage_milliseconds.push_back(statistics_of(
         log.frames, [&](const FrameRecord& frame) { return frame.milliseconds.*stage.time; }));
@@ -253,13 +270,15 @@ std::string to_json(const RunSummary& summary) {
                {"config_hash", config_hash(run.config)},
                {"seed", nullptr},
                {"interrupted", summary.interrupted},
+               {"error", nullptr},
                {"camera", camera_object(run)},
                {"depth", {{"units_per_metre", run.depth_scale}, {"origin", run.depth_origin}}},
                {"frames",
-                {{"total", run.frames},
-                 {"tracked", summary.tracked},
-                 {"lost", summary.lost},
-                 {"skipped", summary.skipped.size()}}},
+                {{"total", nullptr},
+                 {"tracked", summary.counts.tracked},
+                 {"lost", summary.counts.lost},
+                 {"skipped", summary.counts.skipped},
+                 {"dropped", summary.counts.dropped}}},
                {"coverage", number(summary.coverage, 6)},
                {"lost_events", summary.lost_events},
                {"keyframes", summary.keyframes},
@@ -275,6 +294,8 @@ std::string to_json(const RunSummary& summary) {
                {"notes", run.notes},
                {"warnings", run.warnings},
                {"machine", to_json(summary.machine)}};
+  if (run.frames) json["frames"]["total"] = *run.frames;
+  if (!summary.error.empty()) json["error"] = summary.error;
   if (run.seed) json["seed"] = *run.seed;
   if (summary.slowest_second) json["slowest_second_frames"] = *summary.slowest_second;
   if (summary.evaluation) json["evaluation"] = to_json(*summary.evaluation);

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "edvo/core/camera.hpp"
-#include "edvo/core/trajectory.hpp"
-#include "edvo/odometry/frame_result.hpp"
 #include "edvo/report/machine.hpp"
+#include "edvo/run/outcome.hpp"
+#include "edvo/source/rgbd_source.hpp"
 
 #include <array>
 #include <cstdint>
@@ -31,10 +31,10 @@ struct RunDescription {
   std::string camera_origin;  // which camera this is, and why it was taken
   double depth_scale = 0;     // [units per metre], 0 = depth came in metres
   std::string depth_origin;
-  std::int64_t frames = 0;            // in the sequence, or asked for
-  std::optional<std::uint64_t> seed;  // where something random took part
-  std::vector<std::string> notes;     // what was found and chosen
-  std::vector<std::string> warnings;  // what the user should look at
+  std::optional<std::int64_t> frames;  // in the sequence, or asked for; none = not known
+  std::optional<std::uint64_t> seed;   // where something random took part
+  std::vector<std::string> notes;      // what was found and chosen
+  std::vector<std::string> warnings;   // what the user should look at
 };
 
 // The stages of a frame, in the order in which they run.
@@ -60,52 +60,9 @@ struct FrameRecord {
   double finished = 0;  // wall time since the run began [s]
 };
 
-struct SkippedFrame {
-  std::int64_t index = 0;
-  std::string stamp;
-  std::string reason;
-};
-
 struct RunLog {
   std::vector<FrameRecord> frames;
   std::vector<SkippedFrame> skipped;
-  Trajectory online;  // each pose as known when its frame was processed; lost frames left out
-};
-
-// A measured value over time. A NaN interrupts it.
-struct Curve {
-  std::vector<double> seconds;  // [s] since the first frame
-  std::vector<double> values;
-};
-
-// How far one trajectory is from ground truth.
-struct TrajectoryErrors {
-  double ate = 0, ate_median = 0, ate_max = 0;  // root mean square, median, largest [m]
-  double rpe_translation = 0;                   // root mean square over 1 s [m/s]
-  double rpe_rotation = 0;                      // root mean square over 1 s [deg/s]
-  std::optional<double> drift;                  // end error per path length [%]
-  std::int64_t ate_pairs = 0, rpe_pairs = 0;    // without pairs there is no error
-  Curve ate_curve;                              // [m]
-  Curve rpe_translation_curve;                  // [m/s]
-  Curve rpe_rotation_curve;                     // [deg/s]
-};
-
-struct RunEvaluation {
-  std::string ground_truth;       // where it was read from
-  std::string protocol;           // of all numbers, as one line
-  TrajectoryErrors final_poses;   // trajectory.tum
-  TrajectoryErrors online_poses;  // trajectory_online.tum
-  Trajectory truth;               // during the run, aligned to the trajectory
-};
-
-// Known at the end.
-struct RunOutcome {
-  Trajectory trajectory;  // as known at the end
-  Trajectory keyframes;
-  std::optional<RunEvaluation> evaluation;
-  std::string no_evaluation;  // why there is none
-  double wall_seconds = 0;
-  bool interrupted = false;
 };
 
 // Over all frames, also those in which the stage had nothing to do. [ms]
@@ -116,8 +73,7 @@ struct TimeStatistics {
 struct RunSummary {
   RunDescription run;
   Machine machine;
-  std::int64_t tracked = 0;  // frames with a pose, the first one included
-  std::int64_t lost = 0;
+  FrameCounts counts;
   std::int64_t lost_events = 0;  // runs of consecutive lost frames
   std::int64_t keyframes = 0;
   std::vector<SkippedFrame> skipped;
@@ -126,12 +82,17 @@ struct RunSummary {
   double peak_memory = 0;   // [MB]
   std::optional<std::int64_t> slowest_second = {};  // frames, see below
   bool interrupted = false;
+  std::string error;  // that ended the run, empty = none
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;
   double coverage = 0;  // [0..1] frames with a pose, of those that were due so far
   std::vector<TimeStatistics> stage_milliseconds = {};  // one per stage of kStages
   TimeStatistics total_milliseconds = {};               // of a whole frame, reading it excluded
 };
+
+// command: as given; config: resolved, TOML. The rest is the source's, but for `started`.
+[[nodiscard]] RunDescription describe_run(const SourceInfo& source, const std::string& command,
+                                          const std::string& method, const std::string& config);
 
 [[nodiscard]] RunSummary summarize(const RunDescription& run, const RunLog& log,
                                    const RunOutcome& outcome);

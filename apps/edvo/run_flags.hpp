@@ -10,7 +10,7 @@
 
 namespace edvo::app {
 
-struct RunOptions {
+struct RunFlags {
   ConfigFlags config;
   std::string output;      // folder, empty = runs/<sequence>/<UTC stamp>
   std::string edge_cache;  // folder, empty = none
@@ -22,9 +22,9 @@ struct RunOptions {
   bool profile = false;
 };
 
-void add_run_options(CLI::App& command, RunOptions& options);
+void add_run_flags(CLI::App& command, RunFlags& flags);
 
 // The method's name, also where it was left to the default.
-[[nodiscard]] std::string method_name(const RunOptions& options);
+[[nodiscard]] std::string method_name(const RunFlags& flags);
 
 }  // namespace edvo::app

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "run_evaluation.hpp"
+#include "edvo/run/evaluation.hpp"
 
 #include "edvo/eval/evaluate.hpp"
 
 #include <algorithm>
 #include <limits>
 
-namespace edvo::app {
+namespace edvo {
 namespace {
 
 // A curve is interrupted where it knows nothing for longer than this. [s]
@@ -59,12 +59,12 @@ Trajectory aligned_truth(const Trajectory& truth, const Trajectory& estimate,
 
 }  // namespace
 
-RunEvaluation evaluate_run(const GroundTruth& truth, const RunLog& log, const RunOutcome& outcome) {
+RunEvaluation evaluate_run(const GroundTruth& truth, const RunOutcome& outcome) {
   EvalOptions options;
-  options.frames = static_cast<int>(log.frames.size() + log.skipped.size());
+  options.frames = static_cast<int>(frames_due(outcome.counts));
   const Evaluation final_poses = evaluate(truth.trajectory, outcome.trajectory, options);
-  const Evaluation online_poses = evaluate(truth.trajectory, log.online, options);
-  const Stamp start = log.frames.front().stamp;
+  const Evaluation online_poses = evaluate(truth.trajectory, outcome.online, options);
+  const Stamp start = outcome.first_stamp;
   return {.ground_truth = truth.source,
           .protocol = describe_protocol(options),
           .final_poses = errors_from(final_poses, start),
@@ -73,4 +73,4 @@ RunEvaluation evaluate_run(const GroundTruth& truth, const RunLog& log, const Ru
                                  final_poses.ate.truth_from_estimate.motion)};
 }
 
-}  // namespace edvo::app
+}  // namespace edvo

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "recorded_run.hpp"
+
+#include "command_line.hpp"
+#include "edvo/network/edge_network.hpp"
+#include "edvo/odometry/odometry.hpp"
+#include "edvo/report/recorder.hpp"
+#include "edvo/report/run_folder.hpp"
+#include "edvo/run/run.hpp"
+#include "memory.hpp"
+#include "progress.hpp"
+#include "run_result.hpp"
+#include "stop_signal.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <functional>
+#include <opencv2/core/utility.hpp>
+
+namespace edvo::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path make_run_folder(const RunFlags& flags, const std::string& sequence) {
+  if (flags.output.empty()) return make_stamped_run_folder("runs", sequence);
+  make_named_run_folder(flags.output, flags.force);
+  return flags.output;
+}
+
+using Warn = std::function<void(const std::string&)>;
+
+// The network, with a memory if the options ask for one; null where the method needs none. Refers
+// to warn.
+std::unique_ptr<EdgeDetector> open_detector(const RunFlags& flags, const Config& config,
+                                            const Camera& camera, const Warn& warn) {
+  const cv::Size size(camera.width, camera.height);
+  if (config.edge.detector != Detector::kNetwork && flags.edge_cache.empty()) return nullptr;
+  if (flags.edge_cache.empty())
+    return make_strength_detector(open_network(config.network, size), config.network);
+  if (config.edge.detector != Detector::kNetwork)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--edge-cache {}: method {} uses no network; leave the cache out or "
+                            "choose --method cnn+corner",
+                            flags.edge_cache, method_name(flags)));
+  std::error_code error;
+  fs::create_directories(flags.edge_cache, error);
+  if (error || ::access(flags.edge_cache.c_str(), W_OK) != 0)
+    throw Error(ErrorCode::kOutput,
+                fmt::format("--edge-cache {}: cannot be written: {}", flags.edge_cache,
+                            error ? error.message() : std::strerror(errno)));
+  return make_strength_detector(
+      open_cached_network(
+          config.network, size,
+          {.folder = flags.edge_cache, .warn = [&warn](const std::string& text) { warn(text); }}),
+      config.network);
+}
+
+}  // namespace
+
+RunDescription describe_run(const SourceInfo& source, const std::string& method,
+                            const Config& config) {
+  return edvo::describe_run(source, this_command(), method, to_toml(config));
+}
+
+RecordedRun record_run(RgbdSource& source, const RunDescription& description, const Config& config,
+                       const RunFlags& flags, const std::optional<GroundTruth>& truth) {
+  take_memory();
+  cv::setNumThreads(std::max(1, flags.threads - 1));  // one thread reads ahead
+  Warn warn = [](const std::string&) {};
+  Odometry odometry(description.camera, config,
+                    open_detector(flags, config, description.camera.pinhole, warn));
+  Recorder recorder(make_run_folder(flags, description.sequence), description, !flags.no_report);
+  Progress progress(flags.quiet);
+  const Observers observers = {&recorder, &progress};
+  warn = [&](const std::string& text) {
+    for (Observer* const observer : observers) observer->warning(text);
+  };
+
+  const StopSignal signal;  // also while the results are written
+  const RunOutcome outcome =
+      run(source, odometry, observers,
+          {.threads = flags.threads, .should_stop = stop_requested, .ground_truth = truth});
+  RecordedRun result{.summary = recorder.summary(),
+                     .folder = recorder.folder(),
+                     .failure = failure_of(outcome, description.source)};
+  if (result.failure)
+    result.failure = Error(result.failure->code(),
+                           fmt::format("{}; what was tried is in {}", result.failure->what(),
+                                       (result.folder / "frames.jsonl").string()));
+  return result;
+}
+
+void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags) {
+  const RunDescription description = describe_run(source.info(), method_name(flags), config);
+  show_choices(description, flags);
+  const RecordedRun run = record_run(source, description, config, flags);
+  const bool is_empty = run.failure && run.failure->code() == ErrorCode::kTrackingLost;
+  if (!is_empty) show_result(run, flags);
+  if (run.failure) throw Error(*run.failure);
+  if (run.summary.interrupted) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
+}
+
+}  // namespace edvo::app

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// A run as the program does it, with a folder on disk and a line on the terminal: what `edvo run`,
+// `edvo demo` and `edvo bench` have in common.
+#pragma once
+
+#include "edvo/report/summary.hpp"
+#include "edvo/source/rgbd_source.hpp"
+#include "run_flags.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace edvo::app {
+
+struct RecordedRun {
+  RunSummary summary;
+  std::filesystem::path folder;
+  std::optional<Error> failure;  // with everything written
+};
+
+// What the run's folder says of the source, the method and the command.
+[[nodiscard]] RunDescription describe_run(const SourceInfo& source, const std::string& method,
+                                          const Config& config);
+
+// Tracks until the end or a signal to stop, writes the run's folder and evaluates against truth, or
+// the source's own ground truth. Frames that cannot be read or used are skipped and counted.
+[[nodiscard]] RecordedRun record_run(RgbdSource& source, const RunDescription& description,
+                                     const Config& config, const RunFlags& flags,
+                                     const std::optional<GroundTruth>& truth = {});
+
+// All of `edvo run` and `edvo demo` once there is a source: shows what was chosen and the result,
+// then throws the failure if there is one.
+void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags);
+
+}  // namespace edvo::app

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "run_flags.hpp"
+
+namespace edvo::app {
+
+void add_run_flags(CLI::App& command, RunFlags& flags) {
+  constexpr int kMostThreads = 256;
+  add_config_flags(command, flags.config);
+  command
+      .add_option("-o,--output", flags.output,
+                  "Folder for the results, default runs/<sequence>/<UTC time>")
+      ->type_name("DIR");
+  command.add_flag("--force", flags.force, "Replace the results of an earlier run in DIR");
+  command
+      .add_option("--edge-cache", flags.edge_cache,
+                  "Folder that keeps the network's edge maps for the next run")
+      ->type_name("DIR");
+  command.add_option("--threads", flags.threads, "1, or more to read images ahead of their use")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostThreads))
+      ->capture_default_str();
+  command.add_flag("--json", flags.json, "Print the summary as one JSON object");
+  command.add_flag("--no-report", flags.no_report, "Do not write report.html");
+  command.add_flag("--quiet", flags.quiet, "No notes and no progress; warnings stay");
+  command.add_flag("--profile", flags.profile, "Print where the time went, stage by stage");
+}
+
+std::string method_name(const RunFlags& flags) {
+  return std::string(name_of(chosen_method(flags.config)));
+}
+
+}  // namespace edvo::app

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// What is known at the end of a run.
+#pragma once
+
+#include "edvo/core/error.hpp"
+#include "edvo/core/trajectory.hpp"
+#include "edvo/odometry/frame_result.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace edvo {
+
+// A frame that could not be read or used.
+struct SkippedFrame {
+  std::int64_t index = 0;
+  std::string stamp;
+  std::string reason;
+};
+
+// Every frame of the source is in one of these.
+struct FrameCounts {
+  std::int64_t tracked = 0;  // pose estimated, the first one included
+  std::int64_t lost = 0;
+  std::int64_t restarted = 0;  // pose guessed, a new segment begun
+  std::int64_t skipped = 0;
+  std::int64_t dropped = 0;  // of a live source, as later ones had come
+};
+
+// Counts a frame that was processed.
+void add_to(FrameCounts& counts, const FrameResult& result);
+
+[[nodiscard]] std::int64_t frames_processed(const FrameCounts& counts);
+
+// Processed or skipped: those that could have got a pose.
+[[nodiscard]] std::int64_t frames_due(const FrameCounts& counts);
+
+// A measured value over time. A NaN interrupts it.
+struct Curve {
+  std::vector<double> seconds;  // [s] since the first frame
+  std::vector<double> values;
+};
+
+// How far one trajectory is from ground truth.
+struct TrajectoryErrors {
+  double ate = 0, ate_median = 0, ate_max = 0;  // root mean square, median, largest [m]
+  double rpe_translation = 0;                   // root mean square over 1 s [m/s]
+  double rpe_rotation = 0;                      // root mean square over 1 s [deg/s]
+  std::optional<double> drift;                  // end error per path length [%]
+  std::int64_t ate_pairs = 0, rpe_pairs = 0;    // without pairs there is no error
+  Curve ate_curve;                              // [m]
+  Curve rpe_translation_curve;                  // [m/s]
+  Curve rpe_rotation_curve;                     // [deg/s]
+};
+
+struct RunEvaluation {
+  std::string ground_truth;       // where it was read from
+  std::string protocol;           // of all numbers, as one line
+  TrajectoryErrors final_poses;   // of RunOutcome::trajectory
+  TrajectoryErrors online_poses;  // of RunOutcome::online
+  Trajectory truth;               // during the run, aligned to the trajectory
+};
+
+struct RunOutcome {
+  FrameCounts counts;
+  Stamp first_stamp;      // of the first frame that was processed
+  Trajectory trajectory;  // as known at the end; lost frames left out
+  Trajectory online;      // each pose as known when its frame was processed
+  Trajectory keyframes;   // as known at the end
+  std::optional<RunEvaluation> evaluation;
+  std::string no_evaluation;   // why there is none
+  double wall_seconds = 0;     // from the first frame asked for to the last pose
+  bool interrupted = false;    // by RunOptions::should_stop
+  std::optional<Error> error;  // that ended it: of the source, or of the tracker
+};
+
+// Why the run is a failure, with what it left as its result: the error that ended it, or
+// Error(kTrackingLost) if no motion was tracked. source: named in the message.
+[[nodiscard]] std::optional<Error> failure_of(const RunOutcome& outcome, const std::string& source);
+
+}  // namespace edvo

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/run/run.hpp"
+
+#include "edvo/run/evaluation.hpp"
+#include "edvo/source/prefetch.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <exception>
+#include <variant>
+
+namespace edvo {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using PreparedFrame = Prefetched<PreparedImage>;
+
+// Tells all observers the same.
+template <typename Member, typename... Values>
+void tell(const Observers& observers, Member member, const Values&... values) {
+  for (Observer* const observer : observers) (observer->*member)(values...);
+}
+
+// The frame tracked, or why there is no result.
+std::variant<FrameResult, Error> process(Tracker& tracker, const PreparedFrame& frame) {
+  if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
+  try {
+    FrameResult result = tracker.process(std::get<PreparedImage>(frame.content));
+    result.index = frame.index;
+    return result;
+  } catch (const Error& error) {
+    return error;
+  }
+}
+
+void add_result(const FrameResult& result, const Frame& image, const Observers& observers,
+                RunOutcome& outcome) {
+  if (frames_processed(outcome.counts) == 0) outcome.first_stamp = result.stamp;
+  add_to(outcome.counts, result);
+  if (result.status != FrameStatus::kLost)
+    outcome.online.push_back(
+        {.stamp = result.stamp, .world_from_camera = result.world_from_camera});
+  tell(observers, &Observer::frame, result, image);
+}
+
+void add_skipped(const PreparedFrame& frame, const Error& error, const Observers& observers,
+                 RunOutcome& outcome) {
+  ++outcome.counts.skipped;
+  tell(observers, &Observer::skipped,
+       SkippedFrame{.index = frame.index, .stamp = to_string(frame.stamp), .reason = error.what()});
+}
+
+// None at the end of the source, at its error, which goes into the outcome, or if asked to stop.
+std::optional<PreparedFrame> next(Prefetch<PreparedImage>& frames,
+                                  const std::function<bool()>& should_stop, RunOutcome& outcome) {
+  try {
+    return frames.next(should_stop);
+  } catch (const Error& error) {
+    outcome.error = error;
+  } catch (const std::exception& error) {
+    outcome.error = Error(ErrorCode::kInternal, error.what());
+  }
+  return std::nullopt;
+}
+
+void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observers& observers,
+               const std::function<bool()>& should_stop, RunOutcome& outcome) {
+  while (const std::optional<PreparedFrame> frame = next(frames, should_stop, outcome)) {
+    const std::variant<FrameResult, Error> result = process(tracker, *frame);
+    if (const Error* const error = std::get_if<Error>(&result)) {
+      if (error->code() != ErrorCode::kInput) {
+        outcome.error = *error;
+        return;
+      }
+      add_skipped(*frame, *error, observers, outcome);
+    } else {
+      add_result(std::get<FrameResult>(result), std::get<PreparedImage>(frame->content).frame,
+                 observers, outcome);
+    }
+    outcome.interrupted = should_stop && should_stop();
+    if (outcome.interrupted) return;
+  }
+  outcome.interrupted = should_stop && should_stop();
+}
+
+void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth,
+                   const Observers& observers) {
+  if (!truth) {
+    outcome.no_evaluation = "no usable ground truth";
+    return;
+  }
+  try {
+    outcome.evaluation = evaluate_run(*truth, outcome);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kEvaluation) throw;
+    outcome.no_evaluation = fmt::format("{}: {}", truth->source, error.what());
+    tell(observers, &Observer::warning, "no evaluation: " + outcome.no_evaluation);
+  }
+}
+
+}  // namespace
+
+RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& observers,
+                       const RunOptions& options) {
+  tell(observers, &Observer::begin, source.info());
+  RunOutcome outcome;
+  const Clock::time_point start = Clock::now();
+  {
+    Prefetch frames([&](const PendingFrame& frame) { return tracker.prepare(frame.load()); },
+                    source, {.threads = options.threads});
+    track_all(frames, tracker, observers, options.should_stop, outcome);
+    outcome.counts.dropped = frames.dropped();
+  }
+  outcome.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  tracker.finish();
+  outcome.trajectory = tracker.trajectory();
+  outcome.keyframes = tracker.keyframe_trajectory();
+  if (!outcome.trajectory.empty())
+    evaluate_into(outcome, options.ground_truth ? options.ground_truth : source.info().ground_truth,
+                  observers);
+  tell(observers, &Observer::end, outcome);
+  return outcome;
+}
+
+}  // namespace edvo

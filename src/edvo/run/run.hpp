@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// The loop: frames of a source, poses of a tracker, observers that watch.
+#pragma once
+
+#include "edvo/run/observer.hpp"
+#include "edvo/run/outcome.hpp"
+#include "edvo/run/tracker.hpp"
+#include "edvo/source/rgbd_source.hpp"
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace edvo {
+
+struct RunOptions {
+  int threads = 2;  // one of them tracks, the others read ahead; the result is the same
+  // Asked after each frame, and while a live source has none: true ends the run, whose results so
+  // far are its results.
+  std::function<bool()> should_stop = nullptr;
+  std::optional<GroundTruth> ground_truth = {};  // to evaluate against; none = the source's
+};
+
+using Observers = std::vector<Observer*>;  // told in this order
+
+// Tracks every frame of the source until its end, an error or a request to stop, and compares the
+// poses with ground truth if there is one. Frames that cannot be read or used are skipped. An error
+// of the source or the tracker ends the run and is in the outcome; only what observers throw is
+// thrown.
+RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& observers,
+                       const RunOptions& options);
+
+// tracker: an Odometry, or anything with its members.
+template <typename T>
+RunOutcome run(RgbdSource& source, T& tracker, const Observers& observers = {},
+               const RunOptions& options = {}) {
+  TrackerOf<T> door(tracker);
+  return run_tracker(source, door, observers, options);
+}
+
+}  // namespace edvo

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// What the loop needs of whoever estimates poses.
+#pragma once
+
+#include "edvo/odometry/odometry.hpp"
+
+namespace edvo {
+
+// Odometry has these members, and so has whatever takes its place; see there for what they do.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  [[nodiscard]] virtual PreparedImage prepare(const RgbdImage& image) const = 0;  // any thread
+  virtual FrameResult process(const PreparedImage& image) = 0;
+  virtual void finish() = 0;
+  [[nodiscard]] virtual Trajectory trajectory() const = 0;
+  [[nodiscard]] virtual Trajectory keyframe_trajectory() const = 0;
+  [[nodiscard]] virtual const Map& map() const = 0;
+  [[nodiscard]] virtual KeyframePtr newest_keyframe() const = 0;
+};
+
+// Any class with the members, behind the interface.
+template <typename T>
+class TrackerOf final : public Tracker {
+ public:
+  explicit TrackerOf(T& tracker) : tracker_(tracker) {}
+  [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const override {
+    return tracker_.prepare(image);
+  }
+  FrameResult process(const PreparedImage& image) override {
+    return tracker_.process(image);
+  }
+  void finish() override { tracker_.finish(); }
+  [[nodiscard]] Trajectory trajectory() const override { return tracker_.trajectory(); }
+  [[nodiscard]] Trajectory keyframe_trajectory() const override { return tracker_.keyframe_trajectory(); }
+  [[nodiscard]] const Map& map() const override { return tracker_.map(); }
+  [[nodiscard]] KeyframePtr newest_keyframe() const override { return tracker_.newest_keyframe(); }
+
+ private:
+  T& tracker_;
+};
+
+}  // namespace edvo
