@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "bench_tables.hpp"
-#include "paper_tables.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -52,13 +51,13 @@ Json json_of(const BenchCell& cell) {
   return json;
 }
 
-Json paper_of(const std::string& sequence) {
-  const PaperRow* const paper = find_paper_row(sequence);
-  if (!paper) return nullptr;
+Json paper_of(const std::optional<PublishedTables>& published, const std::string& sequence) {
+  const PublishedRow* const row = published ? find_row(*published, sequence) : nullptr;
+  if (!row) return nullptr;
   Json json;
-  for (std::size_t i = 0; i < kPaperColumns.size(); ++i) {
-    const PaperFigures& figures = paper->systems[i];
-    json[std::string(kPaperColumns[i])] = {
+  for (std::size_t i = 0; i < row->systems.size(); ++i) {
+    const PublishedFigures& figures = row->systems[i];
+    json[published->columns[i]] = {
         {"ate_rmse_m", or_null(figures.ate)},
         {"rpe_translation_rmse_m_per_s", or_null(figures.rpe_translation)},
         {"rpe_rotation_rmse_deg_per_s", or_null(figures.rpe_rotation)}};
@@ -80,7 +79,7 @@ std::string bench_json(const BenchManifest& manifest, const BenchResult& result)
     Json sequence = {{"name", row.sequence},
                      {"frames", row.frames},
                      {"ground_truth", row.ground_truth},
-                     {"paper", paper_of(row.sequence)},
+                     {"paper", paper_of(manifest.published, row.sequence)},
                      {"systems", Json::array()}};
     for (const BenchCell& cell : row.cells) sequence["systems"].push_back(json_of(cell));
     json["sequences"].push_back(sequence);

@@ -4,15 +4,13 @@
 #include "config_flags.hpp"
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/io/file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/run_folder.hpp"
 #include "enum_option.hpp"
+#include "toml_file.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -22,71 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 
 // The manifest as it is read: where it is, where its paths start, and what has been noticed.
-struct Reader {
-  fs::path file;
+struct Reader : TomlFile {
   fs::path base, data;  // of relative paths: its own and the data's
   bool with_peers = true;
   std::vector<std::string> warnings;
 };
 
-[[noreturn]] void refuse(const Reader& reader, const toml::node& node, const std::string& what) {
-  throw Error(ErrorCode::kConfig,
-              fmt::format("{}:{}: {}", reader.file.string(), node.source().begin.line, what));
-}
-
-toml::table parse(const fs::path& file) {
-  constexpr std::size_t kLargestManifest = 1 << 24;  // [bytes]
-  try {
-    return toml::parse(read_file(file, kLargestManifest), file.string());
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: not valid TOML: {}", file.string(),
-                                                error.source().begin.line, error.description()));
-  }
-}
-
-void check_keys(const Reader& reader, const toml::table& table,
-                const std::vector<std::string>& known) {
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      refuse(reader, node,
-             fmt::format("unknown key '{}'{} (known: {})", name, did_you_mean(name, known),
-                         fmt::join(known, ", ")));
-  }
-}
-
 // --- values -------------------------------------------------------------------------------------
-
-std::string as_text(const Reader& reader, const toml::node& node, std::string_view key) {
-  const auto* const text = node.as_string();
-  if (!text || text->get().empty())
-    refuse(reader, node, fmt::format("{}: expected text in quotes, not empty", key));
-  return text->get();
-}
-
-std::optional<std::string> find_text(const Reader& reader, const toml::table& table,
-                                     std::string_view key) {
-  const toml::node* const node = table.get(key);
-  if (!node) return std::nullopt;
-  return as_text(reader, *node, key);
-}
-
-std::string text(const Reader& reader, const toml::table& table, std::string_view key) {
-  const std::optional<std::string> value = find_text(reader, table, key);
-  if (!value) refuse(reader, table, fmt::format("'{}' is missing", key));
-  return *value;
-}
-
-std::vector<std::string> texts(const Reader& reader, const toml::table& table,
-                               std::string_view key) {
-  const toml::node* const node = table.get(key);
-  if (!node) return {};
-  const toml::array* const array = node->as_array();
-  if (!array) refuse(reader, *node, fmt::format("{}: expected a list, [\"...\", \"...\"]", key));
-  std::vector<std::string> values;
-  for (const toml::node& item : *array) values.push_back(as_text(reader, item, key));
-  return values;
-}
 
 std::optional<std::int64_t> find_count(const Reader& reader, const toml::table& table,
                                        std::string_view key, std::int64_t most) {
@@ -120,20 +60,6 @@ std::optional<fs::path> find_path(const Reader& reader, const toml::table& table
            fmt::format("{}: {} is not there; relative paths start at {}, or where --data says", key,
                        path.string(), reader.data.string()));
   return path;
-}
-
-std::vector<const toml::table*> tables(const Reader& reader, const toml::table& parent,
-                                       std::string_view key, std::string_view heading) {
-  const toml::node* const node = parent.get(key);
-  if (!node) return {};
-  const toml::array* const array = node->as_array();
-  if (!array) refuse(reader, *node, fmt::format("{}: expected [[{}]]", key, heading));
-  std::vector<const toml::table*> found;
-  for (const toml::node& item : *array) {
-    if (!item.is_table()) refuse(reader, item, fmt::format("{}: expected [[{}]]", key, heading));
-    found.push_back(item.as_table());
-  }
-  return found;
 }
 
 // --- systems ------------------------------------------------------------------------------------
@@ -248,22 +174,25 @@ BenchSequence read_sequence(Reader& reader, const toml::table& table,
 }  // namespace
 
 BenchManifest read_manifest(const fs::path& file, const ManifestOptions& options) {
-  const toml::table root = parse(file);
+  const toml::table root = parse_toml({file});
   const fs::path base = fs::absolute(file).parent_path();
-  Reader reader{.file = file,
-                .base = base,
-                .data = options.data.empty() ? base : fs::absolute(options.data),
-                .with_peers = options.with_peers,
-                .warnings = {}};
-  check_keys(reader, root, {"output", "methods", "repeats", "sequence", "variant"});
+  Reader reader{{file},
+                base,
+                options.data.empty() ? base : fs::absolute(options.data),
+                options.with_peers,
+                {}};
+  check_keys(reader, root, {"output", "methods", "repeats", "published", "sequence", "variant"});
 
   BenchManifest manifest{.file = file,
                          .output = fs::path("bench") / file.stem(),
                          .systems = read_systems(reader, root),
                          .sequences = {},
+                         .published = {},
                          .warnings = {}};
   if (const std::optional<std::string> output = find_text(reader, root, "output"))
     manifest.output = (reader.base / *output).lexically_normal();
+  if (const std::optional<std::string> published = find_text(reader, root, "published"))
+    manifest.published = read_published_tables((reader.base / *published).lexically_normal());
   constexpr std::int64_t kMostRepeats = 1000;
   manifest.repeats =
       static_cast<int>(find_count(reader, root, "repeats", kMostRepeats).value_or(1));

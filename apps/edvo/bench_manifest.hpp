@@ -4,6 +4,7 @@
 
 #include "edvo/core/trajectory.hpp"
 #include "edvo/odometry/config.hpp"
+#include "published_tables.hpp"
 #include "sequence_input.hpp"
 
 #include <filesystem>
@@ -41,6 +42,7 @@ struct BenchManifest {
   int repeats = 1;
   std::vector<BenchSystem> systems;  // methods, then variants
   std::vector<BenchSequence> sequences;
+  std::optional<PublishedTables> published;  // to print beside what is measured
   std::vector<std::string> warnings;
 };
 

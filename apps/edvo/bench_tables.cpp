@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "bench_tables.hpp"
 
-#include "paper_tables.hpp"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -51,14 +49,15 @@ std::string figure_or_word(const std::optional<double>& value, const BenchCell* 
 
 // add(row of the table, paper's figures) and add(row of the table, our cell) for each column.
 template <typename AddPaper, typename AddOurs>
-void add_rows(Table& table, const BenchResult& result, AddPaper add_paper, AddOurs add_ours) {
+void add_rows(Table& table, const PublishedTables& published, const BenchResult& result,
+              AddPaper add_paper, AddOurs add_ours) {
   for (const BenchRow& row : result.rows) {
-    if (const PaperRow* paper = find_paper_row(row.sequence)) {
+    if (const PublishedRow* paper = find_row(published, row.sequence)) {
       table.rows.push_back({row.sequence + ", paper"});
-      for (const PaperFigures& figures : paper->systems) add_paper(table.rows.back(), figures);
+      for (const PublishedFigures& figures : paper->systems) add_paper(table.rows.back(), figures);
     }
     table.rows.push_back({row.sequence + ", measured"});
-    for (const std::string_view column : kPaperColumns)
+    for (const std::string& column : published.columns)
       add_ours(table.rows.back(), find_cell(row, column));
   }
 }
@@ -149,13 +148,13 @@ std::string problems_text(const BenchResult& result, TableFormat format) {
 
 }  // namespace
 
-Table rpe_table(const BenchResult& result) {
+Table rpe_table(const PublishedTables& published, const BenchResult& result) {
   Table table{.header = {"sequence"}, .rows = {}};
-  for (const std::string_view column : kPaperColumns)
+  for (const std::string& column : published.columns)
     for (const char* part : {"R", "T"}) table.header.push_back(fmt::format("{} {}", column, part));
   add_rows(
-      table, result,
-      [](std::vector<std::string>& row, const PaperFigures& figures) {
+      table, published, result,
+      [](std::vector<std::string>& row, const PublishedFigures& figures) {
         row.push_back(figure(figures.rpe_rotation));
         row.push_back(figure(figures.rpe_translation));
       },
@@ -166,12 +165,12 @@ Table rpe_table(const BenchResult& result) {
   return table;
 }
 
-Table ate_table(const BenchResult& result) {
+Table ate_table(const PublishedTables& published, const BenchResult& result) {
   Table table{.header = {"sequence"}, .rows = {}};
-  for (const std::string_view column : kPaperColumns) table.header.emplace_back(column);
+  for (const std::string& column : published.columns) table.header.emplace_back(column);
   add_rows(
-      table, result,
-      [](std::vector<std::string>& row, const PaperFigures& figures) {
+      table, published, result,
+      [](std::vector<std::string>& row, const PublishedFigures& figures) {
         row.push_back(figure(figures.ate));
       },
       [](std::vector<std::string>& row, const BenchCell* cell) {
@@ -194,12 +193,16 @@ Table systems_table(const BenchRow& row, bool with_sequence) {
 std::string bench_text(const BenchManifest& manifest, const BenchResult& result,
                        TableFormat format) {
   const std::string gap = format == TableFormat::kText ? "\n" : "";
-  return format_note("Table I: relative pose error, root mean square (R: deg/s, T: m/s)", format) +
-         format_table(rpe_table(result), format) + gap +
-         format_note("Table II: absolute trajectory error, root mean square [m]", format) +
-         format_table(ate_table(result), format) + gap + systems_text(result, format) +
-         format_note("paper: " + std::string(kPaper), format) +
-         format_note("measured: " + describe_protocol({}), format) +
+  std::string text;
+  if (manifest.published)
+    text +=
+        format_note("Table I: relative pose error, root mean square (R: deg/s, T: m/s)", format) +
+        format_table(rpe_table(*manifest.published, result), format) + gap +
+        format_note("Table II: absolute trajectory error, root mean square [m]", format) +
+        format_table(ate_table(*manifest.published, result), format) + gap;
+  text += systems_text(result, format);
+  if (manifest.published) text += format_note("paper: " + manifest.published->title, format);
+  return text + format_note("measured: " + describe_protocol({}), format) +
          format_note(repeats_line(manifest, result), format) + problems_text(result, format);
 }
 

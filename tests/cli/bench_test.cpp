@@ -55,7 +55,8 @@ struct BenchCommand : testing::Test {
   }
 };
 
-constexpr const char* kWhole = R"(methods = ["canny+corner", "canny"]
+const std::string kWhole = "published = \"" EDVO_SOURCE_DIR "/benchmarks/paper_tables.toml\"\n" +
+                           std::string(R"(methods = ["canny+corner", "canny"]
 repeats = 2
 [[sequence]]
 name = "fr1/xyz"
@@ -69,7 +70,7 @@ trajectory = "room/groundtruth.txt"
 [[variant]]
 name = "no window"
 set = ["window.keyframes=0"]
-)";
+)");
 
 std::string line_with(const std::string& text, const std::string& start) {
   const std::size_t begin = text.find("\n" + start);
