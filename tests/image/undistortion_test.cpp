@@ -39,12 +39,19 @@ cv::Mat_<cv::Vec2f> brown_map(const DistortedCamera& camera) {
   return map;
 }
 
-class Undistort : public testing::TestWithParam<DistortedCamera> {};
+struct Lens {
+  const char* name;
+  DistortedCamera camera;
+
+  friend void PrintTo(const Lens& lens, std::ostream* out) { *out << lens.name; }
+};
+
+class Undistort : public testing::TestWithParam<Lens> {};
 
 TEST_P(Undistort, AgreesWithOpenCvToTheBit) {
   cv::Mat map, interpolation;
-  cv::convertMaps(brown_map(GetParam()), cv::noArray(), map, interpolation, CV_16SC2);
-  const Undistortion undistortion = make_undistortion(GetParam());
+  cv::convertMaps(brown_map(GetParam().camera), cv::noArray(), map, interpolation, CV_16SC2);
+  const Undistortion undistortion = make_undistortion(GetParam().camera);
   for (const int type : {CV_8UC1, CV_8UC3}) {
     const cv::Mat image = noise_image(type);
     cv::Mat expected;
@@ -54,7 +61,7 @@ TEST_P(Undistort, AgreesWithOpenCvToTheBit) {
 }
 
 TEST_P(Undistort, ReadsAViewOfALargerImageAlike) {
-  const Undistortion undistortion = make_undistortion(GetParam());
+  const Undistortion undistortion = make_undistortion(GetParam().camera);
   const cv::Mat image = noise_image(CV_8UC1);
   cv::Mat larger;
   cv::copyMakeBorder(image, larger, 3, 4, 5, 6, cv::BORDER_CONSTANT);
@@ -65,7 +72,7 @@ TEST_P(Undistort, ReadsAViewOfALargerImageAlike) {
 }
 
 TEST_P(Undistort, DepthIsNeverAveragedAndNoneBeyondTheSensor) {
-  const Undistortion undistortion = make_undistortion(GetParam());
+  const Undistortion undistortion = make_undistortion(GetParam().camera);
   cv::Mat_<float> depth(241, 323);
   for (int y = 0; y < depth.rows; ++y)
     for (int x = 0; x < depth.cols; ++x) depth(y, x) = (x + y) % 2 == 0 ? 1.F : 3.F;
@@ -82,7 +89,9 @@ TEST_P(Undistort, DepthIsNeverAveragedAndNoneBeyondTheSensor) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, Undistort, testing::Values(kBarrel, kPincushion));
+INSTANTIATE_TEST_SUITE_P(Lenses, Undistort,
+                         testing::Values(Lens{"Barrel", kBarrel}, Lens{"Pincushion", kPincushion}),
+                         [](const auto& lens) { return std::string(lens.param.name); });
 
 TEST(UndistortPinhole, LeavesImagesAsTheyAre) {
   const Undistortion undistortion = make_undistortion({.pinhole = kBarrel.pinhole});

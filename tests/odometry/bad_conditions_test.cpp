@@ -97,6 +97,8 @@ struct BoxCase {
   const char* name;
   SequenceOptions options;
   double worst;  // [m]
+
+  friend void PrintTo(const BoxCase& box_case, std::ostream* out) { *out << box_case.name; }
 };
 
 SequenceOptions box(SceneName scene, PathName path, int seed) {

@@ -41,6 +41,15 @@ struct Setting {
   double lowest = 0.3;  // of NEES / 6
 };
 
+std::string to_text(const Setting& setting) {
+  return fmt::format("{}_path{}_seed{}", name_of(setting.scene), static_cast<int>(setting.path),
+                     setting.seed);
+}
+
+void PrintTo(const Setting& setting, std::ostream* out) {
+  *out << to_text(setting);
+}
+
 // NEES / 6 over frames 1 to 8 after each of 8 keyframes, all with noise.
 double normalized_error(const Setting& setting) {
   const Config config = preset(Method::kCannyCorner);
@@ -93,10 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Setting{SceneName::kDesk}, Setting{SceneName::kOffice, PathName::kXyz, 5},
                     Setting{SceneName::kLivingRoom, PathName::kOrbit, 9},
                     Setting{SceneName::kDesk, PathName::kPureRotation, 7, 0.1}),
-    [](const auto& test) {
-      return fmt::format("{}_path{}_seed{}", name_of(test.param.scene),
-                         static_cast<int>(test.param.path), test.param.seed);
-    });
+    [](const auto& test) { return to_text(test.param); });
 
 }  // namespace
 }  // namespace edvo

@@ -9,6 +9,11 @@
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
+
+void PrintTo(WindowPairs pairs, std::ostream* out) {
+  *out << (pairs == WindowPairs::kNewest ? "Newest" : "Others");
+}
+
 namespace {
 
 using test::grid_pixels;
@@ -169,7 +174,8 @@ TEST_P(WindowCost, MovesByAStepAsItsGradientSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, WindowCost,
-                         testing::Values(WindowPairs::kNewest, WindowPairs::kOthers));
+                         testing::Values(WindowPairs::kNewest, WindowPairs::kOthers),
+                         testing::PrintToStringParamName());
 
 TEST(Window, AModelIsMovedWithSmallStepsAndMadeAnewAfterLargeOnes) {
   const WindowOptions options{.sigma = 6};  // residuals stay where the loss is quadratic
