@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Point clouds as PLY, which MeshLab, CloudCompare and Open3D read.
+#pragma once
+
+#include "edvo/core/colored_point.hpp"
+
+#include <filesystem>
+#include <span>
+
+namespace edvo {
+
+// Binary, little endian: x, y, z as float [m], red, green, blue as uchar. Writes the whole file or
+// throws Error(kOutput) and leaves what was there.
+void write_ply(const std::filesystem::path& file, std::span<const ColoredPoint> points);
+
+}  // namespace edvo
