@@ -4,6 +4,7 @@
 #include "command_line.hpp"
 #include "edvo/network/edge_network.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "edvo/report/point_file.hpp"
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
 #include "edvo/run/run.hpp"
@@ -76,7 +77,9 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
                     open_detector(flags, config, description.camera.pinhole, warn));
   Recorder recorder(make_run_folder(flags, description.sequence), description, !flags.no_report);
   Progress progress(flags.quiet);
-  const Observers observers = {&recorder, &progress};
+  Observers observers = {&recorder, &progress};
+  PointFile points(flags.points);
+  if (!flags.points.empty()) observers.push_back(&points);
   warn = [&](const std::string& text) {
     for (Observer* const observer : observers) observer->warning(text);
   };

@@ -15,6 +15,10 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       .add_option("--edge-cache", flags.edge_cache,
                   "Folder that keeps the network's edge maps for the next run")
       ->type_name("DIR");
+  command
+      .add_option("--points", flags.points,
+                  "Write the keyframes' points with colour, as PLY, by the final poses")
+      ->type_name("FILE.ply");
   command.add_option("--threads", flags.threads, "1, or more to read images ahead of their use")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

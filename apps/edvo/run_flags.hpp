@@ -14,6 +14,7 @@ struct RunFlags {
   ConfigFlags config;
   std::string output;      // folder, empty = runs/<sequence>/<UTC stamp>
   std::string edge_cache;  // folder, empty = none
+  std::string points;      // PLY file, empty = none
   bool force = false;
   int threads = 2;  // one of them reads ahead if there are two or more
   bool json = false;

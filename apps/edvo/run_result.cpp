@@ -19,6 +19,9 @@ void print_counts(const RunSummary& summary) {
   fmt::print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n", counts.tracked,
              counts.lost, counted(summary.lost_events, "event"), counts.skipped,
              100 * summary.coverage);
+  if (counts.segments > 1)
+    fmt::print("           {} segments, {} begun at a guessed pose\n", counts.segments,
+               counted(counts.restarted, "frame"));
   if (counts.dropped > 0)
     fmt::print("           {} dropped, as later ones had come\n", counts.dropped);
   fmt::print("keyframes  {}\n", summary.keyframes);

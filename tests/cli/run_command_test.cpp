@@ -133,6 +133,20 @@ TEST_F(RunCommand, SucceedsWithAWarningWhereGroundTruthIsNoTrajectory) {
   EXPECT_THAT(result.output, HasSubstr("groundtruth.txt:1"));
 }
 
+TEST_F(RunCommand, WritesThePointsOfItsKeyframes) {
+  write_sliding_sequence(sequence());
+  const fs::path points = folder_.path() / "points.ply";
+  ASSERT_EQ(run("--points " + points.string() + " 2>&1").status, 0);
+  const std::string text = text_of(points);
+  const std::string vertices = "element vertex ";
+  const std::size_t begin = text.find(vertices);
+  ASSERT_NE(begin, std::string::npos);
+  const auto count = std::stoul(text.substr(begin + vertices.size()));
+  EXPECT_GT(count, 100U);
+  const std::string end = "end_header\n";
+  EXPECT_EQ(text.size(), text.find(end) + end.size() + 15 * count);
+}
+
 TEST_F(RunCommand, FailsWhereNothingCanBeTracked) {
   write_sliding_sequence(sequence());
   for (int i = 0; i < 12; ++i)
@@ -141,6 +155,7 @@ TEST_F(RunCommand, FailsWhereNothingCanBeTracked) {
   const auto result = run("2>&1");
   EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kTrackingLost)) << result.output;
   EXPECT_THAT(result.output, HasSubstr("none of 12 frames"));
+  EXPECT_THAT(result.output, HasSubstr("of 12: hardly a pixel has a depth in range"));
   EXPECT_TRUE(fs::exists(out() / "frames.jsonl"));
 }
 

@@ -182,5 +182,19 @@ TEST(TrajectoryFile, SaysWhereItCannotWrite) {
                          [] { write_trajectory("/no/such/folder/t.tum", Trajectory(1)); }));
 }
 
+TEST(TrajectoryFile, MarksSegmentsByCommentsThatReadersPassOver) {
+  const test::TemporaryFolder folder;
+  Trajectory trajectory;
+  for (int i = 0; i < 4; ++i)
+    trajectory.push_back({.stamp = stamp_from_seconds(i, 1), .segment = i < 2 ? 0 : 1});
+  write_trajectory(folder.path() / "poses.tum", trajectory);
+  std::ifstream stream(folder.path() / "poses.tum");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 5u);
+  EXPECT_EQ(lines[2], "# segment 1");
+  EXPECT_EQ(read_trajectory(folder.path() / "poses.tum").trajectory.size(), 4u);
+}
+
 }  // namespace
 }  // namespace edvo

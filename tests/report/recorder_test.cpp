@@ -68,10 +68,19 @@ TEST(Recorder, WritesWhatIsKnownOfAFrame) {
   FrameResult report = sample_report(20);
   report.world_from_camera = {.translation = {1, 2, 3}};
   report.information(0, 5) = 7;
+  report.segment = 1;
+  report.keyframe = 3;
+  report.new_keyframe = 4;
+  report.keyframe_from_camera = {.translation = {0, 0, 0.5}};
   recorder.frame(report, {});
   const json line = lines_of(folder.path() / "frames.jsonl").front();
   EXPECT_EQ(line["status"], "tracked");
-  EXPECT_EQ(line["keyframe"], "period");
+  EXPECT_EQ(line["segment"], 1);
+  EXPECT_EQ(line["keyframe"], 3);
+  EXPECT_EQ(line["new_keyframe"], 4);
+  EXPECT_EQ(line["keyframe_reason"], "period");
+  EXPECT_THAT(line["keyframe_from_camera"], ElementsAre(0, 0, 0.5, 0, 0, 0, 1));
+  EXPECT_TRUE(line["loss_cause"].is_null());
   EXPECT_THAT(line["pose"], ElementsAre(1, 2, 3, 0, 0, 0, 1));
   EXPECT_EQ(line["levels"].size(), 2u);
   EXPECT_EQ(line["levels"][1]["converged"], false);
@@ -89,6 +98,31 @@ TEST(Recorder, LeavesLostFramesOutOfTheTrajectory) {
     recorder.frame(report, {});
   EXPECT_EQ(read_trajectory(folder.path() / "trajectory.tum").trajectory.size(), 2u);
   EXPECT_EQ(lines_of(folder.path() / "frames.jsonl")[1]["status"], "lost");
+}
+
+TEST(Recorder, NamesTheCauseOfALoss) {
+  const test::TemporaryFolder folder;
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
+  FrameResult lost{.status = FrameStatus::kLost, .loss_cause = LossCause::kNoDepth};
+  recorder.frame(lost, {});
+  const json line = lines_of(folder.path() / "frames.jsonl").front();
+  EXPECT_EQ(line["loss_cause"], "no_depth");
+  EXPECT_TRUE(line["keyframe"].is_null());
+}
+
+TEST(Recorder, MarksWhereANewSegmentBegins) {
+  const test::TemporaryFolder folder;
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
+  FrameResult restarted = sample_report(2);
+  restarted.status = FrameStatus::kRestarted;
+  restarted.segment = 1;
+  for (const FrameResult& result : {sample_report(0), sample_report(1), restarted})
+    recorder.frame(result, {});
+  std::istringstream text(text_of(folder.path() / "trajectory.tum"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[2], "# segment 1");
 }
 
 TEST(Recorder, WritesNullForWhatIsNotANumber) {

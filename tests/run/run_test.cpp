@@ -31,21 +31,32 @@ class FakeTracker {
     FrameResult result{.stamp = image.frame.stamp,
                        .status = i == 0 ? FrameStatus::kFirst : FrameStatus::kTracked,
                        .world_from_camera = {.translation = {1.0 * i, 0, 0}}};
-    if (i == lost_at) result.status = FrameStatus::kLost;
+    if (i == lost_at) {
+      result.status = FrameStatus::kLost;
+      result.loss_cause = LossCause::kUnlike;
+    } else if (i == restarts_at) {
+      result.status = FrameStatus::kRestarted;
+      result.segment = 1;
+    }
+    if (i == 0) result.new_keyframe = map_.add(result.stamp, 0, result.world_from_camera);
     if (result.status != FrameStatus::kLost)
       poses_.push_back({result.stamp, result.world_from_camera});
     return result;
   }
 
-  void finish() {}
+  void finish() { map_.set_pose(0, {.translation = {0, 0, 0.5}}); }
   [[nodiscard]] Trajectory trajectory() const { return poses_; }
   [[nodiscard]] const Map& map() const { return map_; }
-  [[nodiscard]] KeyframePtr newest_keyframe() const { return nullptr; }
+  [[nodiscard]] KeyframePtr newest_keyframe() const {
+    ++keyframes_made;
+    return std::make_shared<const Keyframe>(Keyframe{.id = map_.keyframes().back().id});
+  }
   [[nodiscard]] Trajectory keyframe_trajectory() const {
     return {poses_.begin(), poses_.begin() + (poses_.empty() ? 0 : 1)};
   }
 
-  int lost_at = -1, fails_at = -1;
+  int lost_at = -1, restarts_at = -1, fails_at = -1;
+  mutable int keyframes_made = 0;
   ErrorCode fails_with = ErrorCode::kInput;
 
  private:
@@ -117,6 +128,56 @@ TEST(Run, SkipsWhatCannotBeReadOrUsedAndLeavesLostFramesOut) {
   EXPECT_EQ(outcome.counts.lost, 1);
   EXPECT_EQ(outcome.trajectory.size(), 2U);
   EXPECT_EQ(outcome.online.size(), 2U);
+}
+
+TEST(Run, MakesAKeyframeOnceAndOnlyIfSomeoneWantsIt) {
+  class Collector final : public Observer {
+   public:
+    [[nodiscard]] bool wants_keyframes() const override { return true; }
+    void keyframe(const KeyframePtr& keyframe) override { got.push_back(keyframe); }
+    std::vector<KeyframePtr> got;
+  };
+  MadeSource source(3, image_of), again(3, image_of);
+  FakeTracker tracker, other;
+  Collector one, two;
+  Diary diary;
+  (void)run(source, tracker, {&diary});
+  EXPECT_EQ(tracker.keyframes_made, 0);
+  (void)run(again, other, {&one, &diary, &two});
+  EXPECT_EQ(other.keyframes_made, 1);
+  ASSERT_EQ(one.got.size(), 1U);
+  EXPECT_EQ(one.got, two.got);
+  EXPECT_EQ(one.got.front()->id, 0);
+}
+
+TEST(Run, TellsWhenKeyframesComeOrMove) {
+  class MapWatcher final : public Observer {
+   public:
+    void map_changed(std::span<const MapKeyframe> keyframes) override {
+      heights.push_back(keyframes.front().world_from_camera.translation.z());
+    }
+    std::vector<double> heights;
+  };
+  MadeSource source(3, image_of);
+  FakeTracker tracker;
+  MapWatcher watcher;
+  (void)run(source, tracker, {&watcher});
+  EXPECT_THAT(watcher.heights, ElementsAre(0, 0.5));  // the first frame, finish()
+}
+
+TEST(Run, CountsGuessedPosesAsRestartedInASegmentOfTheirOwn) {
+  MadeSource source(5, image_of);
+  FakeTracker tracker;
+  tracker.lost_at = 2;
+  tracker.restarts_at = 3;
+  const RunOutcome outcome = run(source, tracker);
+  EXPECT_EQ(outcome.counts.tracked, 3);
+  EXPECT_EQ(outcome.counts.lost, 1);
+  EXPECT_EQ(outcome.counts.restarted, 1);
+  EXPECT_EQ(outcome.counts.segments, 2);
+  EXPECT_EQ(outcome.counts.causes.at(LossCause::kUnlike), 1);
+  EXPECT_EQ(frames_due(outcome.counts), 5);
+  EXPECT_EQ(outcome.online[2].segment, 1);
 }
 
 TEST(Run, KeepsWhatWasDoneWhenTheSourceEndsInAnError) {
@@ -234,6 +295,8 @@ TEST(Run, OnePoseOfManyFramesIsNoTracking) {
   EXPECT_EQ(failure->code(), ErrorCode::kTrackingLost);
   EXPECT_THAT(failure->what(),
               HasSubstr("made: none of 6 frames could be tracked (3 lost, 2 skipped)"));
+  outcome.counts.causes = {{LossCause::kNoTexture, 1}, {LossCause::kNoDepth, 2}};
+  EXPECT_THAT(failure_of(outcome, "made")->what(), HasSubstr("of 2: hardly a pixel has a depth"));
   outcome.counts = {.tracked = 1};
   EXPECT_FALSE(failure_of(outcome, "made"));
 }

@@ -166,6 +166,10 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file) {
   return parse_trajectory(read_file(file), file.string());
 }
 
+std::string segment_line(int segment) {
+  return fmt::format("# segment {}", segment);
+}
+
 std::string trajectory_line(const StampedPose& pose) {
   const Eigen::Vector3d& t = pose.world_from_camera.translation;
   const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
@@ -178,7 +182,12 @@ std::string trajectory_line(const StampedPose& pose) {
 
 void write_trajectory(const std::filesystem::path& file, const Trajectory& trajectory) {
   std::string text;
-  for (const StampedPose& pose : trajectory) text += trajectory_line(pose) + '\n';
+  int segment = 0;
+  for (const StampedPose& pose : trajectory) {
+    if (pose.segment != segment) text += segment_line(pose.segment) + '\n';
+    segment = pose.segment;
+    text += trajectory_line(pose) + '\n';
+  }
   write_whole(file, text);
 }
 

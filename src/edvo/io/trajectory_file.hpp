@@ -23,6 +23,10 @@ struct TrajectoryFile {
 
 [[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);
 
+// Stands before the first pose of each segment but the first, of whose poses no motion to those
+// before is known: "# segment 1".
+[[nodiscard]] std::string segment_line(int segment);
+
 // One line without its end. The stamp is written with the digits that it was read with.
 [[nodiscard]] std::string trajectory_line(const StampedPose& pose);
 

@@ -32,6 +32,8 @@ void Recorder::frame(const FrameResult& report, const Frame& /*image*/) {
                          .milliseconds = report.milliseconds,
                          .finished = std::chrono::duration<double>(Clock::now() - begun_).count()});
   if (report.status == FrameStatus::kLost) return;
+  if (report.segment != segment_) trajectory_.append(segment_line(report.segment));
+  segment_ = report.segment;
   trajectory_.append(
       trajectory_line({.stamp = report.stamp, .world_from_camera = report.world_from_camera}));
 }

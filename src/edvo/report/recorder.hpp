@@ -46,6 +46,7 @@ class Recorder final : public Observer {
   bool with_html_;
   LineFile frames_;
   LineFile trajectory_;
+  int segment_ = 0;  // of the last pose in the trajectory
   RunLog log_;
   RunSummary summary_;
 };

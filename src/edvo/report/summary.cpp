@@ -118,6 +118,12 @@ Json to_json(const TrajectoryErrors& errors) {
   return json;
 }
 
+Json causes_object(const FrameCounts& counts) {
+  Json object = Json::object();
+  for (const auto& [cause, count] : counts.causes) object[std::string(name_of(cause))] = count;
+  return object;
+}
+
 Json to_json(const RunEvaluation& evaluation) {
   return {{"ground_truth", evaluation.ground_truth},
           {"protocol", evaluation.protocol},
@@ -239,10 +245,18 @@ std::string to_json_line(const FrameResult& report) {
                {"overlap", number(report.overlap, kRatioDecimals)},
                {"rms", number(report.rms, kRatioDecimals)},
                {"levels", levels_array(report.levels)},
+               {"loss_cause", nullptr},
+               {"segment", report.segment},
                {"keyframe", nullptr},
+               {"keyframe_from_camera", pose_array(report.keyframe_from_camera)},
+               {"new_keyframe", nullptr},
+               {"keyframe_reason", nullptr},
                {"information", upper_triangle(report.information)},
                {"ms", stage_times(report.milliseconds)}};
-  if (report.keyframe_reason) line["keyframe"] = name_of(*report.keyframe_reason);
+  if (report.status == FrameStatus::kLost) line["loss_cause"] = name_of(report.loss_cause);
+  if (report.keyframe >= 0) line["keyframe"] = report.keyframe;
+  if (report.new_keyframe) line["new_keyframe"] = *report.new_keyframe;
+  if (report.keyframe_reason) line["keyframe_reason"] = name_of(*report.keyframe_reason);
   return dump(line, -1);
 }
 
@@ -276,9 +290,13 @@ std::string to_json(const RunSummary& summary) {
                {"frames",
                 {{"total", nullptr},
                  {"tracked", summary.counts.tracked},
+                 {"relocalized", summary.counts.relocalized},
+                 {"restarted", summary.counts.restarted},
                  {"lost", summary.counts.lost},
                  {"skipped", summary.counts.skipped},
                  {"dropped", summary.counts.dropped}}},
+               {"segments", summary.counts.segments},
+               {"loss_causes", causes_object(summary.counts)},
                {"coverage", number(summary.coverage, 6)},
                {"lost_events", summary.lost_events},
                {"keyframes", summary.keyframes},

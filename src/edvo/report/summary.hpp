@@ -17,7 +17,7 @@
 namespace edvo {
 
 // Raised when a field of summary.json or frames.jsonl changes its meaning or goes.
-inline constexpr int kSchemaVersion = 1;
+inline constexpr int kSchemaVersion = 2;
 
 // Known before the first frame.
 struct RunDescription {

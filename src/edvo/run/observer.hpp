@@ -4,10 +4,12 @@
 
 #include "edvo/image/frame.hpp"
 #include "edvo/map/keyframe.hpp"
+#include "edvo/map/map.hpp"
 #include "edvo/odometry/frame_result.hpp"
 #include "edvo/run/outcome.hpp"
 #include "edvo/source/rgbd_source.hpp"
 
+#include <span>
 #include <string>
 
 namespace edvo {
@@ -28,9 +30,12 @@ class Observer {
   // A frame could not be read or used.
   virtual void skipped(const SkippedFrame& /*frame*/) {}
 
-  // A frame became a keyframe. Told only if wanted: a keyframe with its images costs time.
+  // A frame became a keyframe. Told only who wants it: a keyframe with its images costs time.
   [[nodiscard]] virtual bool wants_keyframes() const { return false; }
   virtual void keyframe(const KeyframePtr& /*keyframe*/) {}
+
+  // Keyframes came or moved, by refinement or a loop: all keyframes, by id.
+  virtual void map_changed(std::span<const MapKeyframe> /*keyframes*/) {}
 
   virtual void warning(const std::string& /*text*/) {}
 

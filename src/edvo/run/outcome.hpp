@@ -7,6 +7,7 @@
 #include "edvo/odometry/frame_result.hpp"
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,13 +21,17 @@ struct SkippedFrame {
   std::string reason;
 };
 
-// Every frame of the source is in one of these.
+// Every frame of the source is in one of the first five.
 struct FrameCounts {
   std::int64_t tracked = 0;  // pose estimated, the first one included
   std::int64_t lost = 0;
   std::int64_t restarted = 0;  // pose guessed, a new segment begun
   std::int64_t skipped = 0;
   std::int64_t dropped = 0;  // of a live source, as later ones had come
+
+  std::int64_t relocalized = 0;              // of those tracked: back in an earlier segment
+  std::int64_t segments = 0;                 // between which no motion is known
+  std::map<LossCause, std::int64_t> causes;  // of the frames lost
 };
 
 // Counts a frame that was processed.
@@ -76,8 +81,12 @@ struct RunOutcome {
   std::optional<Error> error;  // that ended it: of the source, or of the tracker
 };
 
+// As half a sentence: "hardly a pixel has a depth in range".
+[[nodiscard]] std::string explain(LossCause cause);
+
 // Why the run is a failure, with what it left as its result: the error that ended it, or
-// Error(kTrackingLost) if no motion was tracked. source: named in the message.
+// Error(kTrackingLost), with the most frequent cause, if no motion was tracked. source: named in
+// the message.
 [[nodiscard]] std::optional<Error> failure_of(const RunOutcome& outcome, const std::string& source);
 
 }  // namespace edvo

@@ -7,7 +7,9 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cstdint>
 #include <exception>
+#include <span>
 #include <variant>
 
 namespace edvo {
@@ -39,9 +41,26 @@ void add_result(const FrameResult& result, const Frame& image, const Observers& 
   if (frames_processed(outcome.counts) == 0) outcome.first_stamp = result.stamp;
   add_to(outcome.counts, result);
   if (result.status != FrameStatus::kLost)
-    outcome.online.push_back(
-        {.stamp = result.stamp, .world_from_camera = result.world_from_camera});
+    outcome.online.push_back({.stamp = result.stamp,
+                              .world_from_camera = result.world_from_camera,
+                              .segment = result.segment});
   tell(observers, &Observer::frame, result, image);
+}
+
+// The newest keyframe, to those who want it.
+void tell_keyframe(const Tracker& tracker, const Observers& observers) {
+  KeyframePtr keyframe;
+  for (Observer* const observer : observers) {
+    if (!observer->wants_keyframes()) continue;
+    if (!keyframe) keyframe = tracker.newest_keyframe();
+    if (keyframe) observer->keyframe(keyframe);
+  }
+}
+
+void tell_map(const Map& map, std::uint64_t& version, const Observers& observers) {
+  if (map.version() == version) return;
+  version = map.version();
+  tell(observers, &Observer::map_changed, std::span<const MapKeyframe>(map.keyframes()));
 }
 
 void add_skipped(const PreparedFrame& frame, const Error& error, const Observers& observers,
@@ -66,6 +85,7 @@ std::optional<PreparedFrame> next(Prefetch<PreparedImage>& frames,
 
 void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observers& observers,
                const std::function<bool()>& should_stop, RunOutcome& outcome) {
+  std::uint64_t map_version = 0;
   while (const std::optional<PreparedFrame> frame = next(frames, should_stop, outcome)) {
     const std::variant<FrameResult, Error> result = process(tracker, *frame);
     if (const Error* const error = std::get_if<Error>(&result)) {
@@ -75,8 +95,10 @@ void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observer
       }
       add_skipped(*frame, *error, observers, outcome);
     } else {
-      add_result(std::get<FrameResult>(result), std::get<PreparedImage>(frame->content).frame,
-                 observers, outcome);
+      const FrameResult& known = std::get<FrameResult>(result);
+      add_result(known, std::get<PreparedImage>(frame->content).frame, observers, outcome);
+      if (known.new_keyframe) tell_keyframe(tracker, observers);
+      tell_map(tracker.map(), map_version, observers);
     }
     outcome.interrupted = should_stop && should_stop();
     if (outcome.interrupted) return;
@@ -113,7 +135,9 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
     outcome.counts.dropped = frames.dropped();
   }
   outcome.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  std::uint64_t map_version = tracker.map().version();
   tracker.finish();
+  tell_map(tracker.map(), map_version, observers);
   outcome.trajectory = tracker.trajectory();
   outcome.keyframes = tracker.keyframe_trajectory();
   if (!outcome.trajectory.empty())

@@ -27,12 +27,12 @@ class TrackerOf final : public Tracker {
   [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const override {
     return tracker_.prepare(image);
   }
-  FrameResult process(const PreparedImage& image) override {
-    return tracker_.process(image);
-  }
+  FrameResult process(const PreparedImage& image) override { return tracker_.process(image); }
   void finish() override { tracker_.finish(); }
   [[nodiscard]] Trajectory trajectory() const override { return tracker_.trajectory(); }
-  [[nodiscard]] Trajectory keyframe_trajectory() const override { return tracker_.keyframe_trajectory(); }
+  [[nodiscard]] Trajectory keyframe_trajectory() const override {
+    return tracker_.keyframe_trajectory();
+  }
   [[nodiscard]] const Map& map() const override { return tracker_.map(); }
   [[nodiscard]] KeyframePtr newest_keyframe() const override { return tracker_.newest_keyframe(); }
 
