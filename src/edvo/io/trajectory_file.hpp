@@ -23,8 +23,8 @@ struct TrajectoryFile {
 
 [[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);
 
-// Stands before the first pose of each segment but the first, of whose poses no motion to those
-// before is known: "# segment 1".
+// A comment that stands wherever the segment changes, which begins as 0: "# segment 1". Between
+// poses of two segments no motion is known.
 [[nodiscard]] std::string segment_line(int segment);
 
 // One line without its end. The stamp is written with the digits that it was read with.
