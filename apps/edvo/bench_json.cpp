@@ -13,9 +13,10 @@ Json or_null(const std::optional<double>& value) {
 }
 
 Json json_of(const RunFigures& run) {
-  return {{"tracked", run.tracked},        {"lost", run.lost},
-          {"skipped", run.skipped},        {"lost_events", run.lost_events},
-          {"keyframes", run.keyframes},    {"ms_median", run.median_milliseconds},
+  return {{"tracked", run.tracked},         {"lost", run.lost},
+          {"restarted", run.restarted},     {"skipped", run.skipped},
+          {"lost_events", run.lost_events}, {"segments", run.segments},
+          {"keyframes", run.keyframes},     {"ms_median", run.median_milliseconds},
           {"ms_p95", run.p95_milliseconds}};
 }
 

@@ -70,8 +70,10 @@ RunFigures figures_of(const Json& summary) {
   return {.tracked = frames.at("tracked"),
           .lost = frames.at("lost"),
           .skipped = frames.at("skipped"),
+          .restarted = frames.at("restarted"),
           .lost_events = summary.at("lost_events"),
           .keyframes = summary.at("keyframes"),
+          .segments = summary.at("segments"),
           .median_milliseconds = total.at("median"),
           .p95_milliseconds = total.at("p95")};
 }
@@ -113,9 +115,9 @@ std::optional<Evaluation> try_to_evaluate(const std::optional<GroundTruth>& trut
 void evaluate_first_repeat(const Sequence& sequence, BenchCell& cell) {
   if (cell.run->tracked <= 1) {
     cell.state = CellState::kLost;
-    cell.problem =
-        fmt::format("tracking lost: {} lost and {} skipped of {} frames", cell.run->lost,
-                    cell.run->skipped, cell.run->tracked + cell.run->lost + cell.run->skipped);
+    const RunFigures& run = *cell.run;
+    cell.problem = fmt::format("tracking lost: {} lost and {} skipped of {} frames", run.lost,
+                               run.skipped, run.tracked + run.restarted + run.lost + run.skipped);
     return;
   }
   cell.state = CellState::kDone;

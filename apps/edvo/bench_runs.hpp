@@ -23,7 +23,8 @@ struct BenchOptions {
 // What only a run of ours can tell.
 struct RunFigures {
   std::int64_t tracked = 0, lost = 0, skipped = 0;  // frames
-  std::int64_t lost_events = 0, keyframes = 0;
+  std::int64_t restarted = 0;                       // frames, at guessed poses
+  std::int64_t lost_events = 0, keyframes = 0, segments = 0;
   double median_milliseconds = 0, p95_milliseconds = 0;  // per frame; of repeats the median
 };
 

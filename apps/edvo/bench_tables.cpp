@@ -87,6 +87,7 @@ std::vector<std::string> system_row(const BenchCell& cell) {
       counted(is_evaluated && evaluation.drift.percent, evaluation.drift.percent.value_or(0), 2),
       counted(has_run, run.keyframes, 0),
       counted(has_run, run.lost_events, 0),
+      counted(has_run, run.segments, 0),
       counted(has_run, run.median_milliseconds, 1),
       counted(has_run, run.p95_milliseconds, 1)};
 }
@@ -181,7 +182,8 @@ Table ate_table(const PublishedTables& published, const BenchResult& result) {
 
 Table systems_table(const BenchRow& row, bool with_sequence) {
   Table table{.header = {"system", "ATE [m]", "live ATE [m]", "RPE [m/s]", "RPE [deg/s]", "pairs",
-                         "coverage [%]", "drift [%]", "keyframes", "lost events", "ms", "ms p95"},
+                         "coverage [%]", "drift [%]", "keyframes", "lost events", "segments", "ms",
+                         "ms p95"},
               .rows = {}};
   for (const BenchCell& cell : row.cells) table.rows.push_back(system_row(cell));
   if (!with_sequence) return table;

@@ -44,7 +44,9 @@ class FakeTracker {
     return result;
   }
 
-  void finish() { map_.set_pose(0, {.translation = {0, 0, 0.5}}); }
+  void finish() {
+    if (!map_.keyframes().empty()) map_.set_pose(0, {.translation = {0, 0, 0.5}});
+  }
   [[nodiscard]] Trajectory trajectory() const { return poses_; }
   [[nodiscard]] const Map& map() const { return map_; }
   [[nodiscard]] KeyframePtr newest_keyframe() const {

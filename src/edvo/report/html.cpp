@@ -90,11 +90,13 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
                                              static_cast<double>(counts.tracked) /
                                                  static_cast<double>(summary.keyframes))
                                : "none"});
-  tiles.push_back({.name = "Lost events",
-                   .value = thousands(summary.lost_events),
-                   .more = counts.lost > 0 ? plural(counts.lost, "frame") + " without a pose"
-                                           : "every frame has a pose",
-                   .mood = summary.lost_events > 0 ? "bad" : ""});
+  tiles.push_back(
+      {.name = "Lost events",
+       .value = thousands(summary.lost_events),
+       .more = (counts.lost > 0 ? plural(counts.lost, "frame") + " without a pose"
+                                : std::string("every frame has a pose")) +
+               (counts.segments > 1 ? fmt::format("<br>{} segments", counts.segments) : ""),
+       .mood = summary.lost_events > 0 ? "bad" : ""});
   const double seconds =
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
   std::string length_and_drift = fmt::format("in {:.1f} s", seconds);
