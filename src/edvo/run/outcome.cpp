@@ -57,6 +57,8 @@ std::string explain(LossCause cause) {
       return "too few of the points in view fit";
     case LossCause::kResiduals:
       return "residuals are far larger than usual";
+    case LossCause::kTooFast:
+      return "the motion would be faster than any camera moves";
     case LossCause::kAmbiguous:
       return "another motion explains the image as well";
   }
