@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from edvo import _core
 
-CameraTuple = tuple[
-    float, float, float, float, int, int, tuple[float, float, float, float, float]
-]
+CameraTuple = tuple[float, float, float, float, int, int, tuple[float, ...], bool]
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera with Brown-Conrady lens distortion.
+    """A pinhole camera with lens distortion.
 
     Focal lengths and principal point in pixels; pixel centres are integers. ``fy`` may be negative
-    (ICL-NUIM's y axis points up). ``distortion`` is k1 k2 p1 p2 k3 in OpenCV's order and model.
+    (ICL-NUIM's y axis points up). ``distortion`` is k1 k2 p1 p2 k3 k4 k5 k6 in OpenCV's order and
+    model, padded with zeros, or k1 k2 k3 k4 of OpenCV's fisheye model if ``equidistant``.
     """
 
     fx: float
@@ -30,14 +29,17 @@ class Camera:
     cy: float
     width: int
     height: int
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: tuple[float, ...] = (0.0,) * 8
+    equidistant: bool = False
 
     def __post_init__(self) -> None:
-        if len(self.distortion) > 5:
+        most = 4 if self.equidistant else 8
+        if any(self.distortion[most:]):
             raise ValueError(
-                f"distortion has {len(self.distortion)} coefficients, at most k1 k2 p1 p2 k3"
+                f"distortion has {len(self.distortion)} coefficients, at most "
+                + ("k1 k2 k3 k4" if self.equidistant else "k1 k2 p1 p2 k3 k4 k5 k6")
             )
-        padded = [float(value) for value in self.distortion] + [0.0] * (5 - len(self.distortion))
+        padded = ([float(value) for value in self.distortion] + [0.0] * 8)[:8]
         object.__setattr__(self, "distortion", tuple(padded))
 
     @property
@@ -59,6 +61,7 @@ class Camera:
             width,
             height,
             self.distortion,
+            self.equidistant,
         )
 
     @staticmethod
@@ -83,10 +86,10 @@ def as_tuple(camera: Camera) -> CameraTuple:
         int(camera.width),
         int(camera.height),
         camera.distortion,
+        camera.equidistant,
     )
 
 
 def from_tuple(values: CameraTuple) -> Camera:
-    fx, fy, cx, cy, width, height, distortion = values
-    k1, k2, p1, p2, k3 = distortion
-    return Camera(fx, fy, cx, cy, width, height, (k1, k2, p1, p2, k3))
+    fx, fy, cx, cy, width, height, distortion, equidistant = values
+    return Camera(fx, fy, cx, cy, width, height, tuple(distortion), equidistant)

@@ -21,18 +21,27 @@ void add_files(nb::module_& module);
 void add_registration(nb::module_& module);
 void add_program(nb::module_& module);
 
-// fx, fy, cx, cy [px], width, height [px], distortion k1 k2 p1 p2 k3.
-using CameraTuple = std::tuple<double, double, double, double, int, int, std::array<double, 5>>;
+// fx, fy, cx, cy [px], width, height [px], distortion, whether the lens is equidistant.
+using CameraTuple =
+    std::tuple<double, double, double, double, int, int, std::array<double, 8>, bool>;
 
 [[nodiscard]] inline DistortedCamera to_camera(const CameraTuple& values) {
-  const auto& [fx, fy, cx, cy, width, height, distortion] = values;
+  const auto& [fx, fy, cx, cy, width, height, distortion, is_equidistant] = values;
   return {.pinhole = {.fx = fx, .fy = fy, .cx = cx, .cy = cy, .width = width, .height = height},
-          .distortion = distortion};
+          .distortion = distortion,
+          .lens = is_equidistant ? LensModel::kEquidistant : LensModel::kPolynomial};
 }
 
 [[nodiscard]] inline CameraTuple camera_tuple(const DistortedCamera& camera) {
   const Camera& k = camera.pinhole;
-  return {k.fx, k.fy, k.cx, k.cy, k.width, k.height, camera.distortion};
+  return {k.fx,
+          k.fy,
+          k.cx,
+          k.cy,
+          k.width,
+          k.height,
+          camera.distortion,
+          camera.lens == LensModel::kEquidistant};
 }
 
 }  // namespace edvo::python

@@ -125,6 +125,35 @@ TEST(DepthRegistration, FollowsTheDistortionOfBothLenses) {
   EXPECT_EQ(missing, 0);
 }
 
+// Where a nearer patch comes to lie, by its mean pixel.
+TEST(DepthRegistration, FollowsRationalAndEquidistantLenses) {
+  DistortedCamera rational = kColour, equidistant = kColour;
+  rational.distortion = {0.5, -2.6, 0.0005, -0.0002, 1.5, 0.2, -1.2, 0.7};
+  equidistant.distortion = {-0.02, 0.01, -0.003, 0.0005};
+  equidistant.lens = LensModel::kEquidistant;
+  cv::Mat_<float> depth(480, 640, 3.0F);
+  depth(cv::Rect(440, 120, 21, 21)) = 1.0F;
+  for (const DistortedCamera& colour : {rational, equidistant}) {
+    const cv::Mat_<float> registered =
+        register_depth(make_depth_registration(kDepth, colour, {}), depth);
+    cv::Point2d sum;
+    int count = 0;
+    for (int y = 0; y < registered.rows; ++y)
+      for (int x = 0; x < registered.cols; ++x)
+        if (std::abs(registered(y, x) - 1.0F) < 0.01F) {
+          sum += cv::Point2d(x, y);
+          ++count;
+        }
+    ASSERT_GT(count, 100) << distortion_model(colour);
+    const Camera& k = colour.pinhole;
+    const Eigen::Vector2d at =
+        distort(colour, undistort(kDepth, {(450 - kDepth.pinhole.cx) / kDepth.pinhole.fx,
+                                           (130 - kDepth.pinhole.cy) / kDepth.pinhole.fy}));
+    EXPECT_NEAR(sum.x / count, k.fx * at.x() + k.cx, 0.5) << distortion_model(colour);
+    EXPECT_NEAR(sum.y / count, k.fy * at.y() + k.cy, 0.5) << distortion_model(colour);
+  }
+}
+
 TEST(DepthRegistration, RefusesDepthOfAnotherSize) {
   EXPECT_THROW((void)register_depth(make_depth_registration(kDepth, kColour, {}),
                                     cv::Mat_<float>(48, 64, 1.0F)),

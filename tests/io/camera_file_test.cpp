@@ -4,6 +4,7 @@
 #include "support/error_matcher.hpp"
 #include "support/temporary_folder.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -12,6 +13,7 @@ namespace {
 
 using test::fails_with;
 using test::TemporaryFolder;
+using testing::ElementsAre;
 
 const cv::Size kVga{640, 480};
 
@@ -33,7 +35,7 @@ void expect_example(const DistortedCamera& camera) {
   EXPECT_EQ(camera.pinhole.cy, 255.3);
   EXPECT_EQ(camera.pinhole.width, 640);
   EXPECT_EQ(camera.pinhole.height, 480);
-  EXPECT_EQ(camera.distortion, (std::array{0.26, -0.95, -0.005, 0.002, 1.16}));
+  EXPECT_THAT(distortion_coefficients(camera), ElementsAre(0.26, -0.95, -0.005, 0.002, 1.16));
 }
 
 constexpr const char* kToml =
@@ -84,7 +86,7 @@ TEST(CameraFile, ReadsTheFirstCameraOfAKalibrChain) {
   const DistortedCamera camera = read(kKalibr);
   EXPECT_EQ(camera.pinhole.fx, 517.3);
   EXPECT_EQ(camera.pinhole.cy, 255.3);
-  EXPECT_EQ(camera.distortion, (std::array{0.26, -0.95, -0.005, 0.002, 0.0}));
+  EXPECT_THAT(distortion_coefficients(camera), ElementsAre(0.26, -0.95, -0.005, 0.002, 0));
 }
 
 TEST(CameraFile, ReadsAMatrixOfNumbers) {
@@ -117,6 +119,49 @@ TEST(CameraFile, AnotherImageSizeIsRefusedWithBoth) {
   EXPECT_TRUE(refuses({"640 x 480", "320 x 240"}, kKalibr, {320, 240}));
 }
 
+std::optional<StatedDepthScale> depth_scale_of(const std::string& text) {
+  const TemporaryFolder folder;
+  return stated_depth_scale(folder.write("camera", text));
+}
+
+TEST(CameraFile, MayStateTheDepthScale) {
+  const auto states = [](const std::string& text, double units, const std::string& key) {
+    const auto stated = depth_scale_of(text);
+    ASSERT_TRUE(stated) << text;
+    EXPECT_EQ(stated->units_per_metre, units);
+    EXPECT_EQ(stated->key, key);
+  };
+  const std::string orb_slam = "fx: 517.3\nfy: 516.5\ncx: 318.6\ncy: 255.3\n";
+  states("%YAML:1.0\n" + orb_slam + "DepthMapFactor: 1000.0\n", 1000, "DepthMapFactor");
+  states("%YAML:1.0\n" + orb_slam + "RGBD.DepthMapFactor: 5208.\n", 5208, "RGBD.DepthMapFactor");
+  states(std::string(kRos) + "depth_scale: 6553.5\n", 6553.5, "depth_scale");
+  states(std::string(kKalibr) + "depth_scale: 1000\n", 1000, "depth_scale");
+  states(std::string(kToml) + "depth_scale = 256\n", 256, "depth_scale");
+  expect_example(read(std::string(kToml) + "depth_scale = 256\n"));
+}
+
+TEST(CameraFile, NiceSlamStatesTheDepthScaleAsScale) {
+  const auto stated = depth_scale_of(
+      "{\"camera\": {\"w\": 1200, \"h\": 680, \"fx\": 600.0, \"fy\": 600.0, \"cx\": 599.5,"
+      " \"cy\": 339.5, \"scale\": 6553.5}}");
+  ASSERT_TRUE(stated);
+  EXPECT_EQ(stated->units_per_metre, 6553.5);
+}
+
+TEST(CameraFile, NeedNotStateTheDepthScale) {
+  EXPECT_FALSE(depth_scale_of(kToml));
+  EXPECT_FALSE(depth_scale_of(kOpenCv));
+  EXPECT_FALSE(depth_scale_of("517 517 320 240\n"));
+  EXPECT_FALSE(depth_scale_of("not a camera\n"));
+}
+
+TEST(CameraFile, ADepthScaleThatIsNoneIsRefused) {
+  for (const char* const bad : {"0", "-1000", "nan", "inf"})
+    EXPECT_TRUE(fails_with(ErrorCode::kCalibration, {"depth_scale = ", "units per metre"}, [&] {
+      (void)depth_scale_of(std::string(kToml) + "depth_scale = " + bad + "\n");
+    }));
+}
+
 TEST(CameraFile, SomeoneMustSayTheImageSize) {
   EXPECT_EQ(read(kOpenCv, {}).pinhole.width, 640);
   EXPECT_TRUE(refuses({"size of the images"}, kToml, {}));
@@ -125,20 +170,79 @@ TEST(CameraFile, SomeoneMustSayTheImageSize) {
 TEST(CameraFile, OtherModelsAreRefusedByName) {
   EXPECT_TRUE(refuses({"camera model 'omni'"},
                       "cam0:\n  camera_model: omni\n  intrinsics: [1, 517, 517, 320, 240]\n"));
-  EXPECT_TRUE(refuses({"distortion model 'equidistant'", "radtan"},
-                      "cam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n"
+  EXPECT_TRUE(refuses({"distortion model 'fov'", "radtan", "equidistant"},
+                      "cam0:\n  camera_model: pinhole\n  distortion_model: fov\n"
                       "  intrinsics: [517, 517, 320, 240]\n"));
-  EXPECT_TRUE(refuses({"distortion model 'equidistant'", "plumb_bob"},
-                      "distortion_model: equidistant\nK: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n"));
-  EXPECT_TRUE(
-      refuses({"camera type 'KannalaBrandt8'"}, "Camera.type: KannalaBrandt8\nCamera.fx: 517\n"));
+  EXPECT_TRUE(refuses({"distortion model 'thin_prism'", "plumb_bob"},
+                      "distortion_model: thin_prism\nK: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n"));
+  EXPECT_TRUE(refuses({"camera type 'Sphere'"}, "Camera.type: Sphere\nCamera.fx: 517\n"));
+  EXPECT_TRUE(refuses({"camera:5: distortion_model must be one of plumb_bob"},
+                      "fx = 517\nfy = 517\ncx = 320\ncy = 240\ndistortion_model = \"fov\"\n"));
 }
 
-TEST(CameraFile, MoreThanFiveCoefficientsMustBeZero) {
-  const std::string matrix = "K: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n";
-  EXPECT_EQ(read(matrix + "D: [0.1, 0, 0, 0, 0.5, 0, 0, 0]\n").distortion[4], 0.5);
-  EXPECT_TRUE(refuses({"k1 k2 p1 p2"}, matrix + "D: [0.1, 0, 0, 0, 0.5, 0, 0, 0.1]\n"));
+constexpr const char* kMatrix = "K: [517, 0, 320, 0, 517, 240, 0, 0, 1]\n";
+
+TEST(CameraFile, ReadsTheRationalPolynomialOfEightCoefficients) {
+  const auto is_rational = [](const std::string& text) {
+    const DistortedCamera camera = read(text);
+    EXPECT_EQ(distortion_model(camera), "rational_polynomial") << text;
+    EXPECT_THAT(distortion_coefficients(camera),
+                ElementsAre(0.5, -2.6, 0.0005, -0.0002, 1.5, 0.4, -2.4, 1.4))
+        << text;
+  };
+  const std::string eight = "[0.5, -2.6, 0.0005, -0.0002, 1.5, 0.4, -2.4, 1.4]\n";
+  is_rational(kMatrix + ("distortion_model: rational_polynomial\nD: " + eight));
+  is_rational(kMatrix + ("distortion_coefficients: " + eight));
+  is_rational("fx = 517\nfy = 517\ncx = 320\ncy = 240\ndistortion = " + eight);
+  is_rational("517 517 320 240 0.5 -2.6 0.0005 -0.0002 1.5 0.4 -2.4 1.4\n");
+  is_rational(camera_to_toml(read(kMatrix + ("D: " + eight))));
+}
+
+TEST(CameraFile, ReadsEquidistantLensesOfEveryFormat) {
+  const auto is_equidistant = [](const std::string& text) {
+    const DistortedCamera camera = read(text);
+    EXPECT_EQ(camera.pinhole.fx, 517) << text;
+    EXPECT_EQ(distortion_model(camera), "equidistant") << text;
+    EXPECT_THAT(distortion_coefficients(camera), ElementsAre(-0.02, 0.01, -0.003, 0.5)) << text;
+  };
+  const std::string four = "[-0.02, 0.01, -0.003, 0.5]\n";
+  const std::string ros = kMatrix + ("distortion_model: equidistant\nD: " + four);
+  is_equidistant(ros);
+  is_equidistant(kMatrix + ("distortion_model: fisheye\nD: " + four));
+  is_equidistant(kMatrix + ("fisheye_model: 1\ndistortion_coefficients: " + four));
+  is_equidistant(
+      "cam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n"
+      "  intrinsics: [517, 517, 320, 240]\n  distortion_coeffs: " +
+      four);
+  const std::string orb_slam =
+      "Camera1.fx: 517\nCamera1.fy: 517\nCamera1.cx: 320\nCamera1.cy: 240\nCamera1.k1: -0.02\n"
+      "Camera1.k2: 0.01\nCamera1.k3: -0.003\nCamera1.k4: 0.5\n";
+  is_equidistant("%YAML:1.0\nCamera.type: \"KannalaBrandt8\"\n" + orb_slam);
+  is_equidistant(
+      "fx = 517\nfy = 517\ncx = 320\ncy = 240\n"
+      "distortion_model = \"equidistant\"\ndistortion = " +
+      four);
+  is_equidistant(camera_to_toml(read(ros)));
+}
+
+TEST(CameraFile, MoreCoefficientsThanTheModelHasMustBeZero) {
+  const std::string matrix = kMatrix;
+  EXPECT_EQ(read(matrix + "D: [0.1, 0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0, 0]\n").distortion[4], 0.5);
+  EXPECT_TRUE(refuses({"k1 k2 p1 p2"}, matrix + "D: [0.1, 0, 0, 0, 0, 0, 0, 0, 0.1, 0, 0, 0]\n"));
   EXPECT_TRUE(refuses({"k1 k2 p1 p2"}, matrix + "D: [0.1]\n"));
+}
+
+TEST(CameraFile, AnEquidistantLensOfEightCoefficientsIsReadByItsFirstFourAndWarnedOf) {
+  const TemporaryFolder folder;
+  const std::string lens = kMatrix + std::string("distortion_model: equidistant\n");
+  const auto eight = folder.write("eight", lens + "D: [0.5, -2.6, 0.01, 0.02, 1.5, 0.4, -2, 1]\n");
+  EXPECT_THAT(distortion_coefficients(read_camera(eight, kVga)),
+              ElementsAre(0.5, -2.6, 0.01, 0.02));
+  const auto warning = camera_file_warning(eight);
+  ASSERT_TRUE(warning);
+  EXPECT_THAT(*warning, testing::HasSubstr("rational_polynomial"));
+  const auto zeros = folder.write("zeros", lens + "D: [0.5, -2.6, 0.01, 0.02, 0]\n");
+  EXPECT_FALSE(camera_file_warning(zeros));
 }
 
 TEST(CameraFile, NumbersThatCannotBeRightAreRefusedByName) {
@@ -157,7 +261,7 @@ TEST(CameraFile, NumbersThatCannotBeRightAreRefusedByName) {
 TEST(CameraFile, AMatrixOfAnotherFormIsRefused) {
   EXPECT_TRUE(refuses({"has 4 numbers"}, "K: [517, 517, 320, 240]\n"));
   EXPECT_TRUE(refuses({"not of the form"}, "K: [517, 3, 320, 0, 517, 240, 0, 0, 1]\n"));
-  EXPECT_TRUE(refuses({"4, 8 or 9 numbers, got 3"}, "517 320 240"));
+  EXPECT_TRUE(refuses({"4, 8, 9, 12 or 16 numbers, got 3"}, "517 320 240"));
 }
 
 TEST(CameraFile, TomlErrorsNameLineAndKey) {

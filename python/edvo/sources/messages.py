@@ -116,17 +116,19 @@ def camera_from(message: Any) -> Camera:
     k = np.asarray(getattr(message, "k", getattr(message, "K", None)), float)
     d = [float(value) for value in getattr(message, "d", getattr(message, "D", []))]
     model = message.distortion_model
-    if model not in ("", "plumb_bob", "none") and any(d[:5]):
-        if not (model == "rational_polynomial" and not any(d[5:])):
-            raise Error(
-                f"CameraInfo: distortion model {model} is not read, only plumb_bob; give --camera",
-                code=5,
-            )
+    equidistant = model in ("equidistant", "fisheye")
+    most = 4 if equidistant else 8
+    known = ("", "none", "plumb_bob", "rational_polynomial", "equidistant", "fisheye")
+    if any(d) and (model not in known or any(d[most:])):
+        raise Error(
+            f"CameraInfo: distortion model {model} with {len(d)} coefficients is not read, only "
+            "plumb_bob, rational_polynomial and equidistant; give --camera",
+            code=5,
+        )
     if not k[0] > 0:
         raise Error("CameraInfo: no focal length (the camera was not calibrated)", code=5)
-    k1, k2, p1, p2, k3 = (d + [0.0] * 5)[:5]
     fx, fy, cx, cy = float(k[0]), float(k[4]), float(k[2]), float(k[5])
-    return Camera(fx, fy, cx, cy, message.width, message.height, (k1, k2, p1, p2, k3))
+    return Camera(fx, fy, cx, cy, message.width, message.height, tuple(d[:most]), equidistant)
 
 
 def pose_from(translation: Any, rotation: Any) -> NDArray[np.float64]:

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The pinhole camera with Brown-Conrady distortion, and how it shrinks with the pyramid.
+// The pinhole camera, how its lens distorts, and how it shrinks with the pyramid.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
+#include <span>
+#include <string_view>
 
 namespace edvo {
 
@@ -15,17 +16,35 @@ struct Camera {
   int width = 0, height = 0;  // [px]
 };
 
-// A camera as calibrated: pinhole and lens distortion k1 k2 p1 p2 k3 (OpenCV's order and model).
-struct DistortedCamera {
-  Camera pinhole;
-  std::array<double, 5> distortion = {0, 0, 0, 0, 0};
+// Formulas and order of the coefficients are OpenCV's.
+enum class LensModel {
+  kPolynomial,   // k1 k2 p1 p2 k3 (Brown 1966), rational with k4 k5 k6
+  kEquidistant,  // k1 k2 k3 k4 of the angle to the axis (Kannala and Brandt 2006): OpenCV's fisheye
 };
 
-[[nodiscard]] inline bool is_distorted(const DistortedCamera& camera) {
-  for (const double k : camera.distortion)
-    if (k != 0.0) return true;
-  return false;
-}
+// A camera as calibrated: pinhole and lens.
+struct DistortedCamera {
+  Camera pinhole;
+  std::array<double, 8> distortion = {};  // of which kEquidistant has the first four
+  LensModel lens = LensModel::kPolynomial;
+};
+
+// An equidistant lens is no pinhole even if all its coefficients are zero.
+[[nodiscard]] bool is_distorted(const DistortedCamera& camera);
+
+// The lens model by the name that ROS has for it: plumb_bob, rational_polynomial or equidistant.
+[[nodiscard]] std::string_view distortion_model(const DistortedCamera& camera);
+
+// The coefficients of that model: 5, 8 or 4.
+[[nodiscard]] std::span<const double> distortion_coefficients(const DistortedCamera& camera);
+
+// (x, y) of the ray (x, y, 1) to where an ideal pinhole would have to see it to have it in the
+// distorted image: multiplied by fx, fy, shifted by cx, cy, that is its pixel.
+[[nodiscard]] Eigen::Vector2d distort(const DistortedCamera& camera, const Eigen::Vector2d& ray);
+
+// The other way round, by Newton's method with numeric derivatives.
+[[nodiscard]] Eigen::Vector2d undistort(const DistortedCamera& camera,
+                                        const Eigen::Vector2d& distorted);
 
 // x_camera [m] -> pixel [px]. The caller has checked that z > 0.
 [[nodiscard]] inline Eigen::Vector2d project(const Camera& camera, const Eigen::Vector3d& point) {

@@ -29,22 +29,10 @@ void check(const char* name, const Camera& camera) {
                             camera.width, camera.height, camera.fx, camera.fy));
 }
 
-Eigen::Vector2d distort(const std::array<double, 5>& k, const Eigen::Vector2d& x) {
-  const auto [k1, k2, p1, p2, k3] = k;
-  const double r2 = x.squaredNorm();
-  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  return {x.x() * radial + 2 * p1 * x.x() * x.y() + p2 * (r2 + 2 * x.x() * x.x()),
-          x.y() * radial + p1 * (r2 + 2 * x.y() * x.y()) + 2 * p2 * x.x() * x.y()};
-}
-
-// The ideal image point (z = 1) of a pixel, by fixed-point iteration.
+// The ideal image point (z = 1) of a pixel.
 Eigen::Vector2d ray_of(const DistortedCamera& camera, double u, double v) {
-  constexpr int kIterations = 20;
   const Camera& k = camera.pinhole;
-  const Eigen::Vector2d distorted((u - k.cx) / k.fx, (v - k.cy) / k.fy);
-  Eigen::Vector2d x = distorted;
-  for (int i = 0; i < kIterations; ++i) x += distorted - distort(camera.distortion, x);
-  return x;
+  return undistort(camera, {(u - k.cx) / k.fx, (v - k.cy) / k.fy});
 }
 
 // Beyond it the polynomial of the distortion may fold points back into the image.
@@ -82,8 +70,8 @@ struct Footprints {
   std::vector<float> slope_u, slope_v;  // [m / px]
 };
 
-EDVO_CLONES void project_row(const DepthRegistration& registration, const float* depth, int row,
-                             ProjectedRow& projected) {
+EDVO_CLONES void project_polynomial(const DepthRegistration& registration, const float* depth,
+                                    int row, ProjectedRow& projected) {
   const int width = registration.ray_x.cols;
   const float* ray_x = registration.ray_x[row];
   const float* ray_y = registration.ray_y[row];
@@ -93,8 +81,9 @@ EDVO_CLONES void project_row(const DepthRegistration& registration, const float*
   const Camera& camera = registration.colour.pinhole;
   const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy),
               cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  std::array<float, 5> k{};
-  std::copy_n(registration.colour.distortion.begin(), 5, k.begin());
+  std::array<float, 8> k{};  // zero for an equidistant lens, which bends later
+  if (registration.colour.lens == LensModel::kPolynomial)
+    std::copy_n(registration.colour.distortion.begin(), k.size(), k.begin());
   const float limit = registration.largest_radius;
   float* u = projected.u.data() + 1;
   float* v = projected.v.data() + 1;
@@ -106,11 +95,29 @@ EDVO_CLONES void project_row(const DepthRegistration& registration, const float*
     const float inverse = 1 / depth_here;
     const float x = (ray_x[i] * d + ox) * inverse, y = (ray_y[i] * d + oy) * inverse;
     const float r2 = x * x + y * y;
-    const float radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+    const float radial =
+        (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
     u[i] = fx * (x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)) + cx;
     v[i] = fy * (y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y) + cy;
     z[i] = depth_here > 0 && r2 <= limit ? depth_here : kNone;
   }
+}
+
+// From where an ideal pinhole sees them to where an equidistant lens does.
+void bend_row(const DistortedCamera& colour, ProjectedRow& projected) {
+  const Camera& k = colour.pinhole;
+  for (std::size_t i = 0; i < projected.u.size(); ++i) {
+    const Eigen::Vector2d at =
+        distort(colour, {(projected.u[i] - k.cx) / k.fx, (projected.v[i] - k.cy) / k.fy});
+    projected.u[i] = static_cast<float>(k.fx * at.x() + k.cx);
+    projected.v[i] = static_cast<float>(k.fy * at.y() + k.cy);
+  }
+}
+
+void project_row(const DepthRegistration& registration, const float* depth, int row,
+                 ProjectedRow& projected) {
+  project_polynomial(registration, depth, row, projected);
+  if (registration.colour.lens == LensModel::kEquidistant) bend_row(registration.colour, projected);
 }
 
 // Of numbers from -1 on; conversions are vectorized, std::ceil and std::floor not everywhere. A

@@ -14,16 +14,16 @@ namespace {
 
 using simd::Int8;
 
-// Where the ideal pixel (u, v) lies in the distorted image, [px] (Brown 1966, as in OpenCV).
-cv::Vec2f distort(const DistortedCamera& camera, double u, double v) {
-  const auto& [k1, k2, p1, p2, k3] = camera.distortion;
+// Where the ideal pixel (u, v) lies in the distorted image, [px].
+cv::Vec2f source_of(const DistortedCamera& camera, double u, double v) {
   const Camera& c = camera.pinhole;
-  const double x = (u - c.cx) / c.fx, y = (v - c.cy) / c.fy;
-  const double r2 = x * x + y * y;
-  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const double xd = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x);
-  const double yd = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y;
-  return {static_cast<float>(c.fx * xd + c.cx), static_cast<float>(c.fy * yd + c.cy)};
+  const Eigen::Vector2d at = distort(camera, {(u - c.cx) / c.fx, (v - c.cy) / c.fy});
+  const cv::Vec2f source(static_cast<float>(c.fx * at.x() + c.cx),
+                         static_cast<float>(c.fy * at.y() + c.cy));
+  // A rational polynomial may be 0 / 0 far outside of what was calibrated.
+  constexpr cv::Vec2f::value_type kNowhere = -1e4F;
+  return std::isfinite(source[0]) && std::isfinite(source[1]) ? source
+                                                              : cv::Vec2f(kNowhere, kNowhere);
 }
 
 constexpr int kUnit = 32;  // of the fractions of a pixel, as in OpenCV
@@ -95,7 +95,7 @@ Undistortion make_undistortion(const DistortedCamera& camera) {
   };
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      const cv::Vec2f source = distort(camera, x, y);
+      const cv::Vec2f source = source_of(camera, x, y);
       const int u = fixed(source[0], size.width - 1), v = fixed(source[1], size.height - 1);
       const int column = std::min(u / kUnit, size.width - 2);
       const int row = std::min(v / kUnit, size.height - 2);

@@ -23,8 +23,7 @@ using std::filesystem::path;
 constexpr std::size_t kLargestCameraFile = std::size_t{1} << 20;  // [bytes]
 constexpr std::string_view kFormats =
     "TOML (fx, fy, cx, cy), OpenCV YAML, ROS camera_info YAML, Kalibr camchain YAML, JSON or the "
-    "numbers "
-    "fx fy cx cy [k1 k2 p1 p2 [k3]]";
+    "numbers fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]]";
 
 std::string read_text(const path& file) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
@@ -72,16 +71,17 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
     set_matrix(camera, file, std::array{n(0), n(1), n(2), n(4), n(5), n(6), n(8), n(9), n(10)});
   } else if (count == 9 && numbers[1] == 0 && numbers[3] == 0) {
     set_matrix(camera, file, numbers);
-  } else if (count == 4 || count == 8 || count == 9) {
+  } else if (count == 4 || count == 8 || count == 9 || count == 12) {
     camera.fx = numbers[0];
     camera.fy = numbers[1];
     camera.cx = numbers[2];
     camera.cy = numbers[3];
     camera.distortion.assign(numbers.begin() + 4, numbers.end());
   } else {
-    fail_camera(file, fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3]] or a 3 x 3 or 4 x 4 "
-                                  "matrix, that is 4, 8, 9 or 16 numbers, got {}",
-                                  count));
+    fail_camera(file,
+                fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]] or a 3 x 3 or "
+                            "4 x 4 matrix, that is 4, 8, 9, 12 or 16 numbers, got {}",
+                            count));
   }
   return camera;
 }
@@ -120,6 +120,10 @@ StatedCamera parse_camera_toml(const path& file, std::string_view text) {
     return static_cast<int>(value);
   };
   camera.size = {side("width"), side("height")};
+  if (table.contains("depth_scale")) {
+    camera.depth_scale = number("depth_scale", true);
+    camera.depth_scale_key = "depth_scale";
+  }
   for (const auto& [key, node] : table) {
     if (key.str() == "distortion") {
       const toml::array* const values = node.as_array();
@@ -129,10 +133,18 @@ StatedCamera parse_camera_toml(const path& file, std::string_view text) {
         if (!value.is_number()) fail_at(value.source(), "distortion must be an array of numbers");
         camera.distortion.push_back(*value.value<double>());
       }
-    } else if (constexpr std::array kKnown = {"fx", "fy", "cx", "cy", "width", "height"};
+    } else if (key.str() == "distortion_model") {
+      const auto lens = lens_model(node.value_or(std::string("no text")));
+      if (!lens)
+        fail_at(node.source(),
+                fmt::format("distortion_model must be one of {}", lens_model_names()));
+      camera.lens = *lens;
+    } else if (constexpr std::array kKnown = {"fx", "fy", "cx", "cy", "width", "height",
+                                              "depth_scale"};
                std::ranges::find(kKnown, key.str()) == kKnown.end()) {
-      fail_at(key.source(), fmt::format("unknown key {}; known are {} and distortion",
-                                        printable(key.str()), fmt::join(kKnown, ", ")));
+      fail_at(key.source(),
+              fmt::format("unknown key {}; known are {}, distortion and distortion_model",
+                          printable(key.str()), fmt::join(kKnown, ", ")));
     }
   }
   return camera;
@@ -152,11 +164,41 @@ StatedCamera parse_camera(const path& file, std::string_view text) {
   return is_toml ? parse_camera_toml(file, text) : parse_camera_yaml(file, text);
 }
 
+constexpr std::size_t kFewestCoefficients = 4;
+
+std::size_t most_coefficients(LensModel lens) {
+  return lens == LensModel::kEquidistant ? 4 : 8;
+}
+
+// Whether coefficients that the model does not have are not zero.
+bool has_surplus(const StatedCamera& camera) {
+  const auto& k = camera.distortion;
+  const std::size_t known = std::min(k.size(), most_coefficients(camera.lens));
+  return std::any_of(k.begin() + static_cast<std::ptrdiff_t>(known), k.end(),
+                     [](double value) { return value != 0; });
+}
+
 // Distances in images: a principal point farther out, or a focal length shorter or longer than
 // these, belongs to no camera of this kind, but to numbers in other units or another order.
 constexpr double kFarthestPrincipalPoint = 0.5;
 constexpr double kShortestFocalLength = 0.1;
 constexpr double kLongestFocalLength = 100;
+
+// Calibrations write zeros after what their model has; anything else is another model. Only the
+// surplus of an equidistant lens is passed over (see camera_file_warning()): programs that know one
+// name for both models write eight coefficients under it.
+void set_distortion(DistortedCamera& camera, const path& file, const StatedCamera& stated) {
+  const auto& k = stated.distortion;
+  const bool is_equidistant = stated.lens == LensModel::kEquidistant;
+  const std::size_t known = std::min(k.size(), most_coefficients(stated.lens));
+  if ((!k.empty() && k.size() < kFewestCoefficients) || (!is_equidistant && has_surplus(stated)))
+    fail_camera(file, fmt::format("distortion [{}] is not of the form {}; other models are not "
+                                  "supported",
+                                  fmt::join(k, ", "),
+                                  is_equidistant ? "k1 k2 k3 k4" : "k1 k2 p1 p2 [k3 [k4 k5 k6]]"));
+  std::copy_n(k.begin(), known, camera.distortion.begin());
+  camera.lens = stated.lens;
+}
 
 void check_values(const path& file, const DistortedCamera& camera) {
   const Camera& pinhole = camera.pinhole;
@@ -188,6 +230,18 @@ void fail_camera(const path& file, std::string_view reason) {
   throw Error(ErrorCode::kCalibration, fmt::format("{}: {}", file.string(), reason));
 }
 
+std::optional<LensModel> lens_model(std::string_view name) {
+  for (const char* const known : {"", "plumb_bob", "radtan", "rational_polynomial"})
+    if (name == known) return LensModel::kPolynomial;
+  for (const char* const known : {"equidistant", "fisheye", "kannala_brandt"})
+    if (name == known) return LensModel::kEquidistant;
+  return std::nullopt;
+}
+
+std::string_view lens_model_names() {
+  return "plumb_bob, radtan, rational_polynomial, equidistant, fisheye, kannala_brandt";
+}
+
 void set_matrix(StatedCamera& camera, const path& file, std::span<const double> m) {
   if (m.size() != 9)
     fail_camera(file, fmt::format("the camera matrix has {} numbers instead of 9", m.size()));
@@ -203,9 +257,11 @@ void set_matrix(StatedCamera& camera, const path& file, std::span<const double> 
 DistortedCamera read_camera(const path& file, cv::Size image_size) {
   const StatedCamera stated = parse_camera(file, read_text(file));
   if (!stated.size.empty() && !image_size.empty() && stated.size != image_size)
-    fail_camera(file, fmt::format("calibrated for images of {} x {} px, but they have {} x {} px",
-                                  stated.size.width, stated.size.height, image_size.width,
-                                  image_size.height));
+    fail_camera(file,
+                fmt::format("calibrated for images of {} x {} px, but they have {} x {} px; if "
+                            "they were only resized, --camera-size {}x{} scales it",
+                            stated.size.width, stated.size.height, image_size.width,
+                            image_size.height, stated.size.width, stated.size.height));
   const cv::Size size = image_size.empty() ? stated.size : image_size;
   if (size.empty()) fail_camera(file, "does not say the size of the images (width, height)");
 
@@ -215,26 +271,42 @@ DistortedCamera read_camera(const path& file, cv::Size image_size) {
                                      .cy = stated.cy,
                                      .width = size.width,
                                      .height = size.height}};
-  const auto& k = stated.distortion;
-  const std::size_t known = std::min(k.size(), camera.distortion.size());
-  const bool has_more = std::any_of(k.begin() + static_cast<std::ptrdiff_t>(known), k.end(),
-                                    [](double value) { return value != 0; });
-  if ((!k.empty() && k.size() < 4) || has_more)
-    fail_camera(file, fmt::format("distortion [{}] is not of the form k1 k2 p1 p2 [k3]; other "
-                                  "models are not supported",
-                                  fmt::join(k, ", ")));
-  std::copy_n(k.begin(), known, camera.distortion.begin());
+  set_distortion(camera, file, stated);
   check_values(file, camera);
   return camera;
+}
+
+std::optional<StatedDepthScale> stated_depth_scale(const path& file) {
+  StatedCamera camera;
+  try {
+    camera = parse_camera(file, read_text(file));
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  if (!camera.depth_scale) return std::nullopt;
+  if (!std::isfinite(*camera.depth_scale) || *camera.depth_scale <= 0)
+    fail_camera(file, fmt::format("{} = {} is no number of depth units per metre",
+                                  camera.depth_scale_key, *camera.depth_scale));
+  return StatedDepthScale{*camera.depth_scale, camera.depth_scale_key};
+}
+
+std::optional<std::string> camera_file_warning(const path& file) {
+  const StatedCamera camera = parse_camera(file, read_text(file));
+  if (camera.lens != LensModel::kEquidistant || !has_surplus(camera)) return std::nullopt;
+  return fmt::format(
+      "{}: an equidistant lens has 4 coefficients, the other {} are passed over; if it is a "
+      "rational polynomial, say so: distortion_model: rational_polynomial",
+      file.string(), camera.distortion.size() - most_coefficients(camera.lens));
 }
 
 std::string camera_to_toml(const DistortedCamera& camera) {
   const Camera& pinhole = camera.pinhole;
   return fmt::format(
-      "# Pinhole camera, pixel centres at integers; distortion k1 k2 p1 p2 k3 as OpenCV has it.\n"
-      "width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\ndistortion = [{}]\n",
+      "# Pixel centres are integers; the lens model's coefficients are in OpenCV's order.\n"
+      "width = {}\nheight = {}\nfx = {}\nfy = {}\ncx = {}\ncy = {}\n"
+      "distortion_model = \"{}\"\ndistortion = [{}]\n",
       pinhole.width, pinhole.height, pinhole.fx, pinhole.fy, pinhole.cx, pinhole.cy,
-      fmt::join(camera.distortion, ", "));
+      distortion_model(camera), fmt::join(distortion_coefficients(camera), ", "));
 }
 
 }  // namespace edvo

@@ -6,22 +6,39 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace edvo {
 
 // Reads any of these, recognised by content, whatever the file is called:
-// - our TOML: fx, fy, cx, cy; optional width, height, distortion = [k1 ... k3]
-// - OpenCV YAML: camera_matrix, distortion_coefficients; or Camera.fx, Camera.k1
-// - ROS camera_info YAML: camera_matrix or K; plumb_bob
-// - Kalibr camchain YAML: cam0 is taken; pinhole with radtan or no distortion
+// - our TOML: fx, fy, cx, cy; optional width, height, distortion = [k1 ... k3], distortion_model,
+//   depth_scale
+// - OpenCV YAML: camera_matrix, distortion_coefficients, fisheye_model; or ORB-SLAM's Camera.fx,
+//   Camera1.fx, Camera.k1, Camera.type
+// - ROS camera_info YAML: camera_matrix or K; plumb_bob, rational_polynomial, equidistant
+// - Kalibr camchain YAML: cam0 is taken; pinhole with radtan, equidistant or no distortion
 // - JSON: fx, fy, cx, cy (NICE-SLAM's cam_params.json), or Open3D's intrinsic_matrix
-// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3]], or the 3 x 3 or 4 x 4 matrix row by row
+// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]], or the 3 x 3 or 4 x 4 matrix row by row
 // image_size is that of the images; an empty one is taken from the file. Throws
 // Error(kCalibration) if the file is none of these, has another camera model, is for images of
 // another size or cannot be right.
 [[nodiscard]] DistortedCamera read_camera(const std::filesystem::path& file, cv::Size image_size);
+
+struct StatedDepthScale {
+  double units_per_metre = 0;
+  std::string key;  // what the file calls it
+};
+
+// What a camera file says of depth: depth_scale, or ORB-SLAM's DepthMapFactor and
+// RGBD.DepthMapFactor. None if it says nothing, is no camera file or cannot be read: read_camera()
+// tells that. Throws Error(kCalibration) if it is not a positive number.
+[[nodiscard]] std::optional<StatedDepthScale> stated_depth_scale(const std::filesystem::path& file);
+
+// What looks wrong about a file that can be read: an equidistant lens with more than its four
+// coefficients. Throws what read_camera() throws.
+[[nodiscard]] std::optional<std::string> camera_file_warning(const std::filesystem::path& file);
 
 // Our TOML; read_camera() gives the same camera back, to the last bit.
 [[nodiscard]] std::string camera_to_toml(const DistortedCamera& camera);

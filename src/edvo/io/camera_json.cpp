@@ -57,6 +57,10 @@ StatedCamera parse_camera_json(const path& file, std::string_view text) {
   camera.fy = number(file, object, {"fy"});
   camera.cx = number(file, object, {"cx", "ppx"});
   camera.cy = number(file, object, {"cy", "ppy"});
+  if (object.contains("scale")) {  // NICE-SLAM's
+    camera.depth_scale = number(file, object, {"scale"});
+    camera.depth_scale_key = "scale";
+  }
   return camera;
 }
 

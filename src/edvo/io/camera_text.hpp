@@ -2,10 +2,13 @@
 // The parts that camera files of every format are made of.
 #pragma once
 
-#include <array>
+#include "edvo/core/camera.hpp"
+
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,12 +17,22 @@ namespace edvo {
 // A calibration as a file states it, not yet checked.
 struct StatedCamera {
   double fx = 0, fy = 0, cx = 0, cy = 0;  // [px]
-  std::vector<double> distortion;         // k1 k2 p1 p2 [k3 ...], or nothing
+  std::vector<double> distortion;         // in the lens model's order, or nothing
   cv::Size size;                          // [px], empty if not stated
+  LensModel lens = LensModel::kPolynomial;
+  std::optional<double> depth_scale = {};  // [units/m], not yet checked
+  std::string depth_scale_key = {};        // what the file calls it
 };
 
 // Throws Error(kCalibration) "FILE: reason".
 [[noreturn]] void fail_camera(const std::filesystem::path& file, std::string_view reason);
+
+// By any of the names in use: plumb_bob, radtan, rational_polynomial; equidistant, fisheye. None if
+// it is another model. No name at all is the polynomial.
+[[nodiscard]] std::optional<LensModel> lens_model(std::string_view name);
+
+// The names above, for messages.
+[[nodiscard]] std::string_view lens_model_names();
 
 // From the matrix fx 0 cx, 0 fy cy, 0 0 1. Throws Error(kCalibration) if it is not of that form.
 void set_matrix(StatedCamera& camera, const std::filesystem::path& file,

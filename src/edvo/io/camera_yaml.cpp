@@ -57,10 +57,15 @@ void check_model(const path& file, const std::string& what, const std::string& m
   fail_camera(file, fmt::format("{} {} is not supported, only {}", what, printable(model), names));
 }
 
+LensModel lens_of(const path& file, const std::string& model) {
+  if (const auto lens = lens_model(model)) return *lens;
+  fail_camera(file, fmt::format("distortion model {} is not supported, only {}", printable(model),
+                                lens_model_names()));
+}
+
 StatedCamera kalibr_camera(const path& file, const YAML::Node& cam) {
   check_model(file, "camera model", text_of(cam["camera_model"]), {"pinhole"});
   const std::string distortion_model = text_of(cam["distortion_model"]);
-  check_model(file, "distortion model", distortion_model, {"radtan", "none"});
   const std::vector<double> intrinsics = numbers_in(file, cam["intrinsics"]);
   if (intrinsics.size() != 4)
     fail_camera(file,
@@ -71,8 +76,10 @@ StatedCamera kalibr_camera(const path& file, const YAML::Node& cam) {
                       .cy = intrinsics[3],
                       .distortion = {},
                       .size = {}};
-  if (cam["distortion_coeffs"] && distortion_model != "none")
-    camera.distortion = numbers_in(file, cam["distortion_coeffs"]);
+  if (distortion_model != "none") {
+    camera.lens = lens_of(file, distortion_model);
+    if (cam["distortion_coeffs"]) camera.distortion = numbers_in(file, cam["distortion_coeffs"]);
+  }
   if (cam["resolution"]) {
     const std::vector<double> sides = numbers_in(file, cam["resolution"]);
     if (sides.size() != 2)
@@ -85,11 +92,10 @@ StatedCamera kalibr_camera(const path& file, const YAML::Node& cam) {
 
 // OpenCV's and ROS's way: a matrix and a vector.
 StatedCamera matrix_camera(const path& file, const YAML::Node& root, const YAML::Node& matrix) {
-  check_model(file, "distortion model",
-              text_of(find(root, {"distortion_model", "distortion_type"})),
-              {"plumb_bob", "radtan", "rational_polynomial"});  // rational: if k4 and on are zero
   check_model(file, "camera model", text_of(root["camera_model"]), {"pinhole"});
   StatedCamera camera;
+  camera.lens = lens_of(file, text_of(find(root, {"distortion_model", "distortion_type"})));
+  if (text_of(root["fisheye_model"]) == "1") camera.lens = LensModel::kEquidistant;
   set_matrix(camera, file, numbers_in(file, matrix));
   if (const YAML::Node distortion = find(
           root, {"distortion_coefficients", "Distortion_Coefficients", "distortion_coefficents",
@@ -100,26 +106,56 @@ StatedCamera matrix_camera(const path& file, const YAML::Node& root, const YAML:
   return camera;
 }
 
-// ORB-SLAM's way, also written through OpenCV: Camera.fx, or just fx.
+// ORB-SLAM's way, also written through OpenCV: Camera.fx or Camera1.fx, or just fx. Type and size
+// are those of "Camera." in any case.
 StatedCamera named_camera(const path& file, const YAML::Node& root, const std::string& prefix) {
-  check_model(file, "camera type", text_of(root[prefix + "type"]),
-              {"PinHole", "Pinhole", "pinhole"});
+  const std::string common = prefix.empty() ? "" : "Camera.";
+  const std::string type = text_of(root[common + "type"]);
+  check_model(file, "camera type", type, {"PinHole", "Pinhole", "pinhole", "KannalaBrandt8"});
   const auto number = [&](const char* key) {
     const YAML::Node node = root[prefix + key];
     if (!node) fail_camera(file, fmt::format("{}{} is missing", prefix, key));
     return node.as<double>();
   };
-  const auto number_or_zero = [&](const char* key) {
-    const YAML::Node node = root[prefix + key];
-    return node ? node.as<double>() : 0.0;
+  StatedCamera camera{.fx = number("fx"),
+                      .fy = number("fy"),
+                      .cx = number("cx"),
+                      .cy = number("cy"),
+                      .distortion = {},
+                      .size = size_of(root[common + "width"], root[common + "height"])};
+  const auto add = [&](std::initializer_list<const char*> keys) {
+    for (const char* const key : keys) {
+      const YAML::Node node = root[prefix + key];
+      camera.distortion.push_back(node ? node.as<double>() : 0.0);
+    }
   };
-  return {.fx = number("fx"),
-          .fy = number("fy"),
-          .cx = number("cx"),
-          .cy = number("cy"),
-          .distortion = {number_or_zero("k1"), number_or_zero("k2"), number_or_zero("p1"),
-                         number_or_zero("p2"), number_or_zero("k3")},
-          .size = size_of(root[prefix + "width"], root[prefix + "height"])};
+  if (type == "KannalaBrandt8") {
+    camera.lens = LensModel::kEquidistant;
+    add({"k1", "k2", "k3", "k4"});
+  } else {
+    add({"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"});
+  }
+  return camera;
+}
+
+std::optional<StatedCamera> camera_in(const path& file, const YAML::Node& root) {
+  if (const YAML::Node cam = root["cam0"]; cam && cam.IsMap() && cam["intrinsics"])
+    return kalibr_camera(file, cam);
+  if (const YAML::Node matrix =
+          find(root, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"}))
+    return matrix_camera(file, root, matrix);
+  for (const char* const prefix : {"Camera.", "Camera1.", ""})
+    if (root[std::string(prefix) + "fx"]) return named_camera(file, root, prefix);
+  return std::nullopt;
+}
+
+void add_depth_scale(StatedCamera& camera, const YAML::Node& root) {
+  for (const char* const key : {"depth_scale", "DepthMapFactor", "RGBD.DepthMapFactor"})
+    if (const YAML::Node node = root[key]) {
+      camera.depth_scale = node.as<double>();
+      camera.depth_scale_key = key;
+      return;
+    }
 }
 
 }  // namespace
@@ -127,14 +163,9 @@ StatedCamera named_camera(const path& file, const YAML::Node& root, const std::s
 StatedCamera parse_camera_yaml(const path& file, std::string_view text) {
   try {
     const YAML::Node root = YAML::Load(without_directives(text));
-    if (root.IsMap()) {
-      if (const YAML::Node cam = root["cam0"]; cam && cam.IsMap() && cam["intrinsics"])
-        return kalibr_camera(file, cam);
-      if (const YAML::Node matrix =
-              find(root, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K", "k"}))
-        return matrix_camera(file, root, matrix);
-      for (const char* const prefix : {"Camera.", ""})
-        if (root[std::string(prefix) + "fx"]) return named_camera(file, root, prefix);
+    if (auto camera = root.IsMap() ? camera_in(file, root) : std::nullopt) {
+      add_depth_scale(*camera, root);
+      return *camera;
     }
   } catch (const YAML::Exception& error) {
     throw Error(ErrorCode::kCalibration,
@@ -143,7 +174,8 @@ StatedCamera parse_camera_yaml(const path& file, std::string_view text) {
   fail_camera(
       file,
       "no camera found in it; expected fx, fy, cx, cy as TOML, camera_matrix (OpenCV, ROS), "
-      "K (ROS), cam0 (Kalibr), Camera.fx, or the numbers fx fy cx cy [k1 k2 p1 p2 [k3]]");
+      "K (ROS), cam0 (Kalibr), Camera.fx, or the numbers fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 "
+      "k6]]]");
 }
 
 }  // namespace edvo

@@ -12,33 +12,6 @@ namespace {
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 constexpr float kNearest = 0.01F;  // a camera sees nothing closer [m]
 
-Eigen::Vector2d distort(const std::array<double, 5>& k, const Eigen::Vector2d& ray) {
-  const double x = ray.x(), y = ray.y(), r2 = x * x + y * y;
-  const double radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-  return {x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x),
-          y * radial + k[2] * (r2 + 2 * y * y) + 2 * k[3] * x * y};
-}
-
-// Newton's method with numeric derivatives; lens distortion is nearly the identity.
-Eigen::Vector2d undistort(const std::array<double, 5>& k, const Eigen::Vector2d& distorted) {
-  constexpr int kSteps = 12;
-  constexpr double kDelta = 1e-6;
-  Eigen::Vector2d ray = distorted;
-  for (int step = 0; step < kSteps; ++step) {
-    const Eigen::Vector2d error = distort(k, ray) - distorted;
-    if (error.norm() < 1e-12) break;
-    Eigen::Matrix2d J;
-    J.col(0) = (distort(k, ray + Eigen::Vector2d{kDelta, 0}) -
-                distort(k, ray - Eigen::Vector2d{kDelta, 0})) /
-               (2 * kDelta);
-    J.col(1) = (distort(k, ray + Eigen::Vector2d{0, kDelta}) -
-                distort(k, ray - Eigen::Vector2d{0, kDelta})) /
-               (2 * kDelta);
-    ray -= J.inverse() * error;
-  }
-  return ray;
-}
-
 // Where a ray enters and leaves a box, or the infinite column of one. [m]
 struct Stay {
   float enter = -kNothing, leave = kNothing;
@@ -159,7 +132,7 @@ cv::Mat_<cv::Vec2f> make_rays(const DistortedCamera& camera) {
   for (int v = 0; v < rays.rows; ++v)
     for (int u = 0; u < rays.cols; ++u) {
       Eigen::Vector2d ray = back_project(pinhole, u, v, 1.0).head<2>();
-      if (distorted) ray = undistort(camera.distortion, ray);
+      if (distorted) ray = undistort(camera, ray);
       rays(v, u) = {static_cast<float>(ray.x()), static_cast<float>(ray.y())};
     }
   return rays;
