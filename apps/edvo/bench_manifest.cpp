@@ -162,6 +162,7 @@ BenchSequence read_sequence(Reader& reader, const toml::table& table,
   sequence.choice = {
       .path = *path,
       .camera_file = find_path(reader, table, "camera"),
+      .camera_size = {},
       .depth_scale = find_positive(reader, table, "depth_scale"),
       .first = 0,
       .max_frames = find_count(reader, table, "max_frames", kMostFrames).value_or(0)};

@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "recorded_run.hpp"
 #include "sequence_input.hpp"
+#include "size_option.hpp"
 
 #include <memory>
 
@@ -11,12 +12,16 @@ namespace {
 
 struct Arguments {
   SequenceChoice sequence;
+  std::string camera_size;  // WxH, empty = as the images
   RunFlags run;
 };
 
 void run(const Arguments& arguments) {
   const Config config = resolve_config(arguments.run.config);
-  FolderSource source = open_sequence(arguments.sequence, arguments.run.quiet);
+  SequenceChoice sequence = arguments.sequence;
+  if (!arguments.camera_size.empty())
+    sequence.camera_size = parse_size("--camera-size", arguments.camera_size);
+  FolderSource source = open_sequence(sequence, arguments.run.quiet);
   run_and_show(source, config, arguments.run);
 }
 
@@ -34,6 +39,10 @@ void add_run_command(CLI::App& program) {
                    "Calibration: edvo TOML, OpenCV or ROS YAML, Kalibr camchain, or one line "
                    "fx fy cx cy [k1 k2 p1 p2 k3]")
       ->type_name("FILE");
+  command
+      ->add_option("--camera-size", arguments->camera_size,
+                   "Size of the images that the camera was calibrated with; scales it to these")
+      ->type_name("WIDTHxHEIGHT");
   command->add_option("--depth-scale", sequence.depth_scale, "Depth units per metre")
       ->type_name("UNITS");
   command->add_option("--start", sequence.first, "First frame, counted from 0")

@@ -3,11 +3,11 @@
 
 #include "edvo/io/camera_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
+#include "size_option.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <type_traits>
 
 namespace edvo::app {
@@ -49,22 +49,6 @@ struct OptionAdder {
   }
 };
 
-// "320x240"
-cv::Size parse_size(const std::string& text) {
-  constexpr int kLargest = 8192;  // [px]
-  cv::Size size;
-  const char* end = text.data() + text.size();
-  const auto [cross, bad_width] = std::from_chars(text.data(), end, size.width);
-  const bool has_cross = bad_width == std::errc{} && cross != end && *cross == 'x';
-  const auto [last, bad_height] = std::from_chars(has_cross ? cross + 1 : end, end, size.height);
-  if (!has_cross || bad_height != std::errc{} || last != end || size.width < 16 ||
-      size.height < 16 || size.width > kLargest || size.height > kLargest)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--size {}: expected WIDTHxHEIGHT, as 320x240, 16 to {} pixels each",
-                            text, kLargest));
-  return size;
-}
-
 // The same field of view across the width on another number of pixels.
 Camera scaled_to(const Camera& camera, const cv::Size& size) {
   const double scale = static_cast<double>(size.width) / camera.width;
@@ -80,11 +64,11 @@ DistortedCamera camera_from(const SequenceFlags& flags) {
   DistortedCamera camera = synth::kDefaultCamera;
   const Camera& standard = camera.pinhole;
   if (!flags.camera.empty()) {
-    const cv::Size size =
-        flags.size.empty() ? cv::Size(standard.width, standard.height) : parse_size(flags.size);
+    const cv::Size size = flags.size.empty() ? cv::Size(standard.width, standard.height)
+                                             : parse_size("--size", flags.size);
     return read_camera(flags.camera, size);
   }
-  if (!flags.size.empty()) camera.pinhole = scaled_to(standard, parse_size(flags.size));
+  if (!flags.size.empty()) camera.pinhole = scaled_to(standard, parse_size("--size", flags.size));
   return camera;
 }
 

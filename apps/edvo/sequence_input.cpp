@@ -20,6 +20,7 @@ FolderSource open_sequence(const SequenceChoice& choice, bool quiet) {
     shown = is_shown;
   };
   FolderSource source(choice.path, {.camera_file = choice.camera_file,
+                                    .camera_size = choice.camera_size,
                                     .depth_scale = choice.depth_scale,
                                     .first = choice.first,
                                     .max_frames = choice.max_frames,

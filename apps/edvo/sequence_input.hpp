@@ -14,7 +14,8 @@ namespace edvo::app {
 struct SequenceChoice {
   std::filesystem::path path;
   std::optional<std::filesystem::path> camera_file;  // none = as the sequence tells
-  std::optional<double> depth_scale;                 // [units/m], none = as the sequence tells
+  cv::Size camera_size = {};               // [px] that it was calibrated for, empty = as the images
+  std::optional<double> depth_scale = {};  // [units/m], none = as the sequence tells
   std::int64_t first = 0;
   std::int64_t max_frames = 0;  // 0 = all
 };

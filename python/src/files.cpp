@@ -73,7 +73,7 @@ void add_files(nb::module_& module) {
       .def(
           "camera",
           [](const Dataset& dataset, const std::optional<fs::path>& file) {
-            const ChosenCamera chosen = choose_camera(dataset, file);
+            const ChosenCamera chosen = choose_camera(dataset, {.file = file});
             return std::pair(camera_tuple(chosen.camera), chosen.source);
           },
           "file"_a.none());

@@ -11,7 +11,11 @@
 namespace edvo {
 namespace {
 
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string preset_name(const char* name) {
   const auto preset = camera_preset(name);
@@ -65,8 +69,8 @@ TEST(CameraChoice, PrefersTheGivenFileThenTheFoldersThenThePreset) {
   EXPECT_THAT(choose_camera(dataset).source, HasSubstr("calibration.txt, which is in the folder"));
 
   const auto given = folder.write("own", "700 700 320 240\n");
-  EXPECT_EQ(choose_camera(dataset, given).camera.pinhole.fx, 700);
-  EXPECT_THAT(choose_camera(dataset, given).source, HasSubstr("own, as given"));
+  EXPECT_EQ(choose_camera(dataset, {.file = given}).camera.pinhole.fx, 700);
+  EXPECT_THAT(choose_camera(dataset, {.file = given}).source, HasSubstr("own, as given"));
 }
 
 TEST(CameraChoice, KnowsIclNuimByItsGroundTruth) {
@@ -97,6 +101,63 @@ TEST(CameraChoice, APresetForImagesOfAnotherSizeIsNotTaken) {
   EXPECT_TRUE(test::fails_with(ErrorCode::kCalibration,
                                {"TUM freiburg1", "640 x 480", "320 x 240", "--camera"},
                                [&] { (void)choose_camera(dataset); }));
+}
+
+TEST(CameraChoice, IntrinsicsOfAnotherSizeAreScaledOnRequest) {
+  const test::TemporaryFolder folder;
+  Dataset dataset = dataset_in(folder.path(), "fr1_half");
+  dataset.image_size = {320, 240};
+  const ChosenCamera chosen = choose_camera(dataset, {.size = {640, 480}});
+  const Camera& half = chosen.camera.pinhole;
+  EXPECT_DOUBLE_EQ(half.fx, 517.306408 / 2);
+  EXPECT_DOUBLE_EQ(half.fy, 516.469215 / 2);
+  EXPECT_DOUBLE_EQ(half.cx, (318.643040 + 0.5) / 2 - 0.5);
+  EXPECT_DOUBLE_EQ(half.cy, (255.313989 + 0.5) / 2 - 0.5);
+  EXPECT_EQ(cv::Size(half.width, half.height), dataset.image_size);
+  EXPECT_EQ(chosen.camera.distortion[4], 1.163314);
+  EXPECT_THAT(chosen.source, HasSubstr("scaled from 640 x 480 px to 320 x 240 px"));
+  EXPECT_THAT(chosen.warnings, IsEmpty());
+}
+
+// A corner of the image looks at the same ray, whatever its size.
+TEST(CameraChoice, ResizingKeepsTheRaysOfTheBorders) {
+  const DistortedCamera camera{.pinhole = {517, 516, 318.6, 255.3, 640, 480}};
+  const Camera from = camera.pinhole, to = resized(camera, {213, 160}).pinhole;
+  EXPECT_NEAR((-0.5 - to.cx) / to.fx, (-0.5 - from.cx) / from.fx, 1e-12);
+  EXPECT_NEAR((212.5 - to.cx) / to.fx, (639.5 - from.cx) / from.fx, 1e-12);
+  EXPECT_NEAR((-0.5 - to.cy) / to.fy, (-0.5 - from.cy) / from.fy, 1e-12);
+  EXPECT_NEAR((159.5 - to.cy) / to.fy, (479.5 - from.cy) / from.fy, 1e-12);
+}
+
+TEST(CameraChoice, ScalingToAnotherShapeIsWarnedOf) {
+  const test::TemporaryFolder folder;
+  Dataset dataset = dataset_in(folder.path(), "mine");
+  folder.write("calibration.txt", "600 600 639.5 359.5\n");
+  EXPECT_THAT(choose_camera(dataset, {.size = {1280, 720}}).warnings,
+              Contains(HasSubstr("another shape")));
+}
+
+TEST(CameraChoice, IntrinsicsOfImagesOfAnotherSizeAreWarnedOf) {
+  const auto warnings = [](const Camera& pinhole) {
+    return check_intrinsics({.pinhole = pinhole});
+  };
+  EXPECT_THAT(warnings({517, 516, 318.6, 255.3, 640, 480}), IsEmpty());
+  EXPECT_THAT(warnings({481.2, -480, 319.5, 239.5, 640, 480}), IsEmpty());
+  // Half the size and twice the size.
+  EXPECT_THAT(warnings({258.6, 258.2, 159.1, 127.4, 640, 480}),
+              Contains(HasSubstr("about 319 x 256 px")));
+  EXPECT_THAT(warnings({1034, 1032, 637.8, 511.1, 640, 480}),
+              Contains(AllOf(HasSubstr("off the middle"), HasSubstr("--camera-size"))));
+  // 640 / 2 / tan(10 degrees) and / tan(70 degrees).
+  EXPECT_THAT(warnings({1815, 1815, 319.5, 239.5, 640, 480}), ElementsAre(HasSubstr("20 degrees")));
+  EXPECT_THAT(warnings({116.5, 116.5, 319.5, 239.5, 640, 480}),
+              ElementsAre(HasSubstr("140 degrees")));
+}
+
+TEST(CameraChoice, WideFisheyesAreNotWarnedOf) {
+  EXPECT_THAT(check_intrinsics(
+                  {.pinhole = {250, 250, 319.5, 239.5, 640, 480}, .lens = LensModel::kEquidistant}),
+              IsEmpty());
 }
 
 }  // namespace

@@ -333,20 +333,45 @@ TEST(Dataset, AnImplausibleDepthScaleIsWarnedOfWithALikelyOne) {
   EXPECT_THAT(open_dataset(folder.path()).warnings, Contains(HasSubstr("--depth-scale 10000")));
 }
 
-TEST(DepthScale, MedianLeavesHolesOut) {
-  const float none = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(median_depth((cv::Mat_<float>(1, 5) << none, 3, 1, 2, none)), 2);
-  EXPECT_EQ(median_depth((cv::Mat_<float>(1, 2) << none, none)), std::nullopt);
+TEST(Dataset, TheCamerasFileStatesTheDepthScale) {
+  const TemporaryFolder folder;
+  write_tum_sequence(folder.path() / "fr1", 2);
+  const std::string camera = "Camera.fx: 517\nCamera.fy: 516\nCamera.cx: 318\nCamera.cy: 255\n";
+  folder.write("fr1/camera.yaml", "%YAML:1.0\n" + camera + "DepthMapFactor: 2500.0\n");
+  const Dataset in_folder = open_dataset(folder.path() / "fr1");
+  EXPECT_EQ(in_folder.depth_scale.units_per_metre, 2500);
+  EXPECT_EQ(in_folder.depth_scale.source, "DepthMapFactor in camera.yaml");
+  EXPECT_FALSE(in_folder.depth_scale.is_assumed);
+
+  const auto given = folder.write("given.toml", "depth_scale = 1250\nfx=9\nfy=9\ncx=4\ncy=3\n");
+  EXPECT_EQ(open_dataset(folder.path() / "fr1", {.camera_file = given}).depth_scale.units_per_metre,
+            1250);
+  EXPECT_EQ(open_dataset(folder.path() / "fr1", {.depth_scale = 10000, .camera_file = given})
+                .depth_scale.units_per_metre,
+            10000);
 }
 
-TEST(DepthScale, FindsTheLikelyScale) {
-  EXPECT_EQ(check_depth_scale(1.5, {5000, ""}), std::nullopt);
-  // Millimetres, read as if one unit were a metre.
-  EXPECT_THAT(*check_depth_scale(1800, {1, "as given"}), HasSubstr("--depth-scale 1000"));
-  // 2 m in TUM's units.
-  EXPECT_THAT(*check_depth_scale(100, {100, "as given"}), HasSubstr("--depth-scale 5000"));
-  // 2 m in KITTI's.
-  EXPECT_THAT(*check_depth_scale(0.05, {10240, "as given"}), HasSubstr("--depth-scale 256"));
+TEST(Dataset, SaysWhetherTheDepthScaleIsAssumed) {
+  const TemporaryFolder folder;
+  write_tum_sequence(folder.path() / "mine", 2);
+  write_tum_sequence(folder.path() / "fr1_mine", 2);
+  const DepthScale assumed = open_dataset(folder.path() / "mine").depth_scale;
+  EXPECT_TRUE(assumed.is_assumed);
+  EXPECT_THAT(assumed.source, HasSubstr("assumed, usual for TUM lists"));
+  EXPECT_FALSE(open_dataset(folder.path() / "fr1_mine").depth_scale.is_assumed);
+  EXPECT_FALSE(open_dataset(folder.path() / "mine", {.depth_scale = 5000}).depth_scale.is_assumed);
+}
+
+TEST(Dataset, LooksAtDepthBeyondEmptyAndDamagedImages) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 40; ++i) {
+    write_colour(folder.path() / fmt::format("rgb/{:02}.png", i), i);
+    write_depth(folder.path() / fmt::format("depth/{:02}.png", i), i == 38 ? 30000 : 0);
+  }
+  write_depth(folder.path() / "depth/38.png", 30000);
+  write_depth(folder.path() / "depth/39.png", 30001);
+  folder.write("depth/00.png", "x");
+  EXPECT_THAT(open_dataset(folder.path()).warnings, Contains(HasSubstr("--depth-scale 10000")));
 }
 
 }  // namespace

@@ -57,17 +57,19 @@ TEST(RealSequence, DepthIsInMetresWithHoles) {
   const Dataset dataset = open_dataset(sequence());
   const RgbdImage image = read_frame(dataset, 0);
   int holes = 0;
+  double sum = 0;
   for (const float z : image.depth) {
     if (std::isnan(z)) {
       ++holes;
     } else {
       EXPECT_GT(z, 0.3F);
       EXPECT_LT(z, 13.2F);
+      sum += static_cast<double>(z);
     }
   }
   EXPECT_GT(holes, 0);
   EXPECT_LT(holes, 640 * 480 / 2);
-  EXPECT_NEAR(*median_depth(image.depth), 1.5, 1.0);
+  EXPECT_NEAR(sum / (640 * 480 - holes), 1.5, 1.0);
 }
 
 }  // namespace

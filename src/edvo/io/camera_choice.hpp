@@ -6,20 +6,39 @@
 #include "edvo/io/dataset.hpp"
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace edvo {
 
 struct ChosenCamera {
   DistortedCamera camera;
   std::string source;  // what was picked and why: "TUM freiburg1, 'fr1' in the name fr1_xyz"
+  std::vector<std::string> warnings = {};  // what looks wrong about it
+};
+
+struct CameraOptions {
+  std::optional<std::filesystem::path> file = {};  // empty = as the folder or the names tell
+  cv::Size size = {};  // [px] of the images that it was calibrated with, empty = those of the data
 };
 
 // The calibration file if one is given; else one in the dataset's folder (camera.toml,
 // camera.yaml, calibration.txt, camera_info.yaml, intrinsics.txt, ...); else the preset that the
-// names tell. Throws Error(kCalibration) that says what can be done if there is none.
-[[nodiscard]] ChosenCamera choose_camera(
-    const Dataset& dataset, const std::optional<std::filesystem::path>& calibration = {});
+// names tell. Scaled to the images if options.size says that it is for others. Throws
+// Error(kCalibration) that says what can be done if there is none.
+[[nodiscard]] ChosenCamera choose_camera(const Dataset& dataset, const CameraOptions& options = {});
+
+// The calibration file in a folder, by its name.
+[[nodiscard]] std::optional<std::filesystem::path> camera_file_in(
+    const std::filesystem::path& folder);
+
+// The same lens and sensor with its image resized, each side for itself.
+[[nodiscard]] DistortedCamera resized(const DistortedCamera& camera, cv::Size size);
+
+// Intrinsics that hardly any camera has but those of images of another size have: a principal point
+// more than 10 % off the middle, a field of view below 25 or above 130 degrees.
+[[nodiscard]] std::vector<std::string> check_intrinsics(const DistortedCamera& camera);
 
 }  // namespace edvo

@@ -3,6 +3,8 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/io/archive.hpp"
+#include "edvo/io/camera_choice.hpp"
+#include "edvo/io/camera_file.hpp"
 #include "edvo/io/camera_preset.hpp"
 #include "edvo/io/dataset_layout.hpp"
 #include "edvo/io/image_file.hpp"
@@ -140,9 +142,14 @@ void add_poses_beside_images(Dataset& dataset) {
 DepthScale choose_depth_scale(const Dataset& dataset, const Listing& listing,
                               const DatasetOptions& options) {
   if (options.depth_scale) return {*options.depth_scale, "as given"};
+  const std::optional<fs::path> camera_file =
+      options.camera_file ? options.camera_file : camera_file_in(dataset.root);
+  if (const auto stated = camera_file ? stated_depth_scale(*camera_file) : std::nullopt)
+    return {stated->units_per_metre,
+            fmt::format("{} in {}", stated->key, camera_file->filename().string())};
   if (const auto preset = camera_preset(dataset))
     return {preset->depth_scale, fmt::format("{}, {}", preset->name, preset->recognised)};
-  return {listing.usual_depth_scale, fmt::format("usual for {}", listing.layout)};
+  return {listing.usual_depth_scale, fmt::format("assumed, usual for {}", listing.layout), true};
 }
 
 // A frame's images as stored, whatever their sizes.
@@ -184,6 +191,27 @@ StoredFrame first_readable_frame(const Dataset& dataset) {
                                  dataset.frames.size(), first_error->what()));
 }
 
+// Depth images spread over the sequence; those that cannot be read or are empty have no say.
+DepthValues sample_depth(const Dataset& dataset) {
+  constexpr std::size_t kSamples = 6, kTries = 24, kStride = 5;  // no common divisor
+  DepthValues values;
+  const std::size_t count = dataset.frames.size(), tries = std::min(count, kTries);
+  std::size_t with_depth = 0;
+  for (std::size_t i = 0; i < kTries && with_depth < kSamples; ++i) {
+    const std::size_t place = i * kStride % kTries;  // far apart first, in the end all of them
+    if (place >= tries) continue;
+    try {
+      const cv::Mat_<std::uint16_t> raw =
+          read_depth_raw(dataset.frames[place * count / tries].depth);
+      add_image(values, raw);
+      if (cv::countNonZero(raw) > 0) ++with_depth;
+    } catch (const Error&) {
+      continue;  // is skipped when its turn comes
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
@@ -221,12 +249,10 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
   dataset.notes.push_back(fmt::format("{} depth units per metre ({})",
                                       dataset.depth_scale.units_per_metre,
                                       dataset.depth_scale.source));
-  const StoredFrame sample = first_readable_frame(dataset);
-  dataset.image_size = sample.bgr.size();
-  const auto metres = depth_to_metres(sample.depth, dataset.depth_scale.units_per_metre);
-  if (const auto median = median_depth(metres))
-    if (const auto warning = check_depth_scale(*median, dataset.depth_scale))
-      dataset.warnings.push_back(*warning);
+  dataset.image_size = first_readable_frame(dataset).bgr.size();
+  const DepthFindings depth = check_depth(sample_depth(dataset), dataset.depth_scale);
+  dataset.notes.insert(dataset.notes.end(), depth.notes.begin(), depth.notes.end());
+  dataset.warnings.insert(dataset.warnings.end(), depth.warnings.begin(), depth.warnings.end());
   return dataset;
 }
 

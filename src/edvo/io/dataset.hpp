@@ -16,10 +16,12 @@
 namespace edvo {
 
 struct DatasetOptions {
-  std::optional<double> depth_scale = {};  // [units/m], empty = by the layout and the name
-  double assumed_rate = 30;                // [Hz] of numbered frames, which have no stamps
-  double largest_gap = 0.02;               // [s] between a colour image and its depth image
-  std::filesystem::path cache = {};        // where archives are unpacked; needed only for them
+  // [units/m], empty = as the camera's file says, or by the name or the layout
+  std::optional<double> depth_scale = {};
+  std::optional<std::filesystem::path> camera_file = {};  // empty = the one in the folder, if any
+  double assumed_rate = 30;          // [Hz] of numbered frames, which have no stamps
+  double largest_gap = 0.02;         // [s] between a colour image and its depth image
+  std::filesystem::path cache = {};  // where archives are unpacked; needed only for them
   // Told the share of an archive that is unpacked [0..1], several times a second. What it throws
   // ends the unpacking, leaves nothing behind and passes through.
   std::function<void(double)> on_unpack = nullptr;

@@ -182,8 +182,11 @@ cv::Mat_<std::uint16_t> read_depth_raw(const path& file) {
   if (const cv::Mat_<std::uint16_t> plain = decode_plain_depth(bytes); !plain.empty()) return plain;
   const PngReader png = open_png(file, bytes);
   if (png.header.bit_depth != 16 || png.header.color_type != SPNG_COLOR_TYPE_GRAYSCALE)
-    fail(file, fmt::format("{}-bit {} PNG; depth needs 16 bits and a single channel",
-                           png.header.bit_depth, colour_type_name(png.header.color_type)));
+    fail(file, fmt::format("{}-bit {} PNG; depth needs 16 bits and a single channel: {}",
+                           png.header.bit_depth, colour_type_name(png.header.color_type),
+                           png.header.color_type == SPNG_COLOR_TYPE_GRAYSCALE
+                               ? "8 bits have no room for millimetres, write the depth as 16-bit"
+                               : "a colour image, or are colour and depth swapped?"));
   cv::Mat raw(static_cast<int>(png.header.height), static_cast<int>(png.header.width), CV_16UC1);
   decode_png(file, png, SPNG_FMT_PNG, raw);
   return raw;

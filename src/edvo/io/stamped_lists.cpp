@@ -84,9 +84,10 @@ void note_frame_numbers(Listing& listing) {
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
   if (*middle >= kSlowest)
-    listing.notes.push_back(fmt::format(
-        "frames are {:g} s apart: if the stamps are frame numbers, read \"s\" as \"frame\"",
-        *middle));
+    listing.notes.push_back(
+        fmt::format("frames are {:g} s apart: if the stamps are frame numbers or milliseconds, "
+                    "read \"s\" as such",
+                    *middle));
 }
 
 enum class Kind { kColour, kDepth, kUnknown };

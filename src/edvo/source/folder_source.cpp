@@ -36,8 +36,10 @@ SourceInfo describe(const Dataset& dataset, const ChosenCamera& camera) {
       .depth_scale = dataset.depth_scale.units_per_metre,
       .depth_origin = fmt::format("{} units per metre ({})", dataset.depth_scale.units_per_metre,
                                   dataset.depth_scale.source),
+      .is_depth_assumed = dataset.depth_scale.is_assumed,
       .notes = dataset.notes,
       .warnings = dataset.warnings};
+  info.warnings.insert(info.warnings.end(), camera.warnings.begin(), camera.warnings.end());
   info.ground_truth = read_ground_truth(dataset, info.warnings);
   return info;
 }
@@ -46,9 +48,12 @@ SourceInfo describe(const Dataset& dataset, const ChosenCamera& camera) {
 
 FolderSource::FolderSource(const std::filesystem::path& sequence, const FolderOptions& options)
     : dataset_(open_dataset(sequence, {.depth_scale = options.depth_scale,
+                                       .camera_file = options.camera_file,
                                        .cache = options.cache,
                                        .on_unpack = options.on_unpack})) {
-  info_ = describe(dataset_, choose_camera(dataset_, options.camera_file));
+  info_ =
+      describe(dataset_,
+               choose_camera(dataset_, {.file = options.camera_file, .size = options.camera_size}));
   begin_ = static_cast<std::size_t>(options.first);
   end_ = dataset_.frames.size();
   if (options.first < 0 || begin_ >= end_)

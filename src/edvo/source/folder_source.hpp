@@ -15,11 +15,12 @@ namespace edvo {
 
 struct FolderOptions {
   std::optional<std::filesystem::path> camera_file = {};  // none = as the sequence tells
-  std::optional<double> depth_scale = {};                 // [units/m], none = as the sequence tells
-  std::int64_t first = 0;                                 // frame to begin with
-  std::int64_t max_frames = 0;                            // 0 = all
-  std::filesystem::path cache = {};                       // where archives are unpacked
-  std::function<void(double)> on_unpack = nullptr;        // see DatasetOptions
+  cv::Size camera_size = {};  // [px] that the camera was calibrated for, empty = as the images
+  std::optional<double> depth_scale = {};           // [units/m], none = as the sequence tells
+  std::int64_t first = 0;                           // frame to begin with
+  std::int64_t max_frames = 0;                      // 0 = all
+  std::filesystem::path cache = {};                 // where archives are unpacked
+  std::function<void(double)> on_unpack = nullptr;  // see DatasetOptions
 };
 
 class FolderSource final : public RgbdSource {

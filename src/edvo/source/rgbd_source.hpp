@@ -28,6 +28,7 @@ struct SourceInfo {
   std::string camera_origin;                // which camera this is, and why it was taken
   double depth_scale = 0;                   // [units/m], 0 = depth comes in metres
   std::string depth_origin;                 // why this scale
+  bool is_depth_assumed = false;            // no one said so: metres depend on it
   std::optional<std::int64_t> frames = {};  // none = not known
   bool is_live = false;  // a sensor that does not wait: who is late gets the newest frame
   std::optional<std::uint64_t> seed = {};  // where something random took part
