@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "run_result.hpp"
 
+#include "edvo/run/evaluation.hpp"
+
 #include <fmt/core.h>
+
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -25,7 +29,12 @@ void print_counts(const RunSummary& summary) {
   if (counts.dropped > 0)
     fmt::print("           {} dropped, as later ones had come\n", counts.dropped);
   fmt::print("keyframes  {}\n", summary.keyframes);
-  fmt::print("path       {:.3f} m\n", summary.path_length);
+  fmt::print(
+      "path       {:.3f} m{}\n", summary.path_length,
+      summary.run.is_depth_assumed
+          ? fmt::format(", if depth has {} units per metre, which is assumed (--depth-scale)",
+                        summary.run.depth_scale)
+          : "");
   fmt::print(
       "time       {:.2f} ms per frame (median), {:.2f} ms (p95); {:.1f} frames/s with reading\n",
       summary.total_milliseconds.median, summary.total_milliseconds.p95,
@@ -56,6 +65,9 @@ void print_errors(const RunEvaluation& evaluation) {
   print_error_row("RPE rotation", "deg/s", final_poses.rpe_rotation, online.rpe_rotation, has_rpe);
   print_error_row("drift at the end", "%", final_poses.drift.value_or(0), online.drift.value_or(0),
                   has_drift);
+  if (std::abs(evaluation.scale - 1) > kScaleTolerance)
+    fmt::print("{:<16} {:<8} {:>10.4f}   (Sim(3): what the motion must be multiplied by)\n",
+               "scale", "", evaluation.scale);
   fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "pairs", "ATE", final_poses.ate_pairs,
              online.ate_pairs);
   fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "", "RPE", final_poses.rpe_pairs, online.rpe_pairs);

@@ -219,6 +219,27 @@ TEST_F(RunCommand, WarnsOfAnImplausibleDepthScale) {
   EXPECT_THAT(result.output, HasSubstr("5000"));
 }
 
+TEST_F(RunCommand, SaysThatTheDepthScaleIsAssumedAndWhatTheGroundTruthMakesOfIt) {
+  write_sliding_sequence(sequence());
+  const auto assumed = run("2>&1");
+  EXPECT_THAT(assumed.output, HasSubstr("5000 units per metre, which is assumed"));
+  const json summary = json::parse(text_of(out() / "summary.json"));
+  EXPECT_EQ(summary["depth"]["assumed"], true);
+  EXPECT_NEAR(summary["evaluation"]["sim3_scale"].get<double>(), 1, 0.02);
+  const auto wrong = run("--force --depth-scale 4000 2>&1");
+  EXPECT_THAT(wrong.output, HasSubstr("--depth-scale 5000"));
+  EXPECT_THAT(wrong.output, Not(HasSubstr("which is assumed")));
+}
+
+TEST_F(RunCommand, ScalesACameraOfAnotherSize) {
+  write_sliding_sequence(sequence());
+  const auto missized = run("--camera-size 640 2>&1");
+  EXPECT_EQ(missized.status, static_cast<int>(ErrorCode::kUsage));
+  EXPECT_THAT(missized.output, HasSubstr("--camera-size 640: expected WIDTHxHEIGHT"));
+  const auto scaled = run("--camera-size 320x240 2>&1");
+  EXPECT_THAT(scaled.output, HasSubstr("scaled from 320 x 240 px to 160 x 120 px"));
+}
+
 TEST_F(RunCommand, PutsResultsUnderRunsByDefault) {
   write_sliding_sequence(sequence());
   const auto result = run_edvo("--help >/dev/null; cd " + folder_.path().string() + " && " +

@@ -198,11 +198,12 @@ std::string facts_card(const RunSummary& summary) {
                fmt::format("f {:.6g} {:.6g}, c {:.6g} {:.6g}, {} x {}", camera.fx, camera.fy,
                            camera.cx, camera.cy, camera.width, camera.height));
   if (is_distorted(run.camera))
-    table += row("distortion",
-                 fmt::format("k1 k2 p1 p2 k3 = {}", fmt::join(run.camera.distortion, " ")));
+    table += row("distortion", fmt::format("{}: {}", distortion_model(run.camera),
+                                           fmt::join(distortion_coefficients(run.camera), " ")));
   if (summary.evaluation) {
     table += row("ground truth", summary.evaluation->ground_truth);
     table += row("protocol", summary.evaluation->protocol);
+    table += row("scale (Sim(3))", fmt::format("{:.4f}", summary.evaluation->scale));
   } else if (!summary.no_evaluation.empty()) {
     table += row("no evaluation", summary.no_evaluation);
   }

@@ -94,7 +94,8 @@ Json camera_object(const RunDescription& run) {
           {"cy", pinhole.cy},
           {"width", pinhole.width},
           {"height", pinhole.height},
-          {"distortion_k1_k2_p1_p2_k3", run.camera.distortion}};
+          {"distortion_model", distortion_model(run.camera)},
+          {"distortion", distortion_coefficients(run.camera)}};
 }
 
 Json skipped_array(const std::vector<SkippedFrame>& skipped) {
@@ -127,6 +128,7 @@ Json causes_object(const FrameCounts& counts) {
 Json to_json(const RunEvaluation& evaluation) {
   return {{"ground_truth", evaluation.ground_truth},
           {"protocol", evaluation.protocol},
+          {"sim3_scale", number(evaluation.scale, 6)},
           {"final", to_json(evaluation.final_poses)},
           {"online", to_json(evaluation.online_poses)}};
 }
@@ -199,6 +201,7 @@ RunDescription describe_run(const SourceInfo& source, const std::string& command
           .camera_origin = source.camera_origin,
           .depth_scale = source.depth_scale,
           .depth_origin = source.depth_origin,
+          .is_depth_assumed = source.is_depth_assumed,
           .frames = source.frames,
           .seed = source.seed,
           .notes = source.notes,
@@ -286,7 +289,10 @@ std::string to_json(const RunSummary& summary) {
                {"interrupted", summary.interrupted},
                {"error", nullptr},
                {"camera", camera_object(run)},
-               {"depth", {{"units_per_metre", run.depth_scale}, {"origin", run.depth_origin}}},
+               {"depth",
+                {{"units_per_metre", run.depth_scale},
+                 {"origin", run.depth_origin},
+                 {"assumed", run.is_depth_assumed}}},
                {"frames",
                 {{"total", nullptr},
                  {"tracked", summary.counts.tracked},

@@ -31,6 +31,7 @@ struct RunDescription {
   std::string camera_origin;  // which camera this is, and why it was taken
   double depth_scale = 0;     // [units per metre], 0 = depth came in metres
   std::string depth_origin;
+  bool is_depth_assumed = false;       // no one said so: metres depend on it
   std::optional<std::int64_t> frames;  // in the sequence, or asked for; none = not known
   std::optional<std::uint64_t> seed;   // where something random took part
   std::vector<std::string> notes;      // what was found and chosen

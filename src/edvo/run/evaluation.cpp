@@ -2,8 +2,12 @@
 #include "edvo/run/evaluation.hpp"
 
 #include "edvo/eval/evaluate.hpp"
+#include "edvo/io/depth_scale.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace edvo {
@@ -31,6 +35,8 @@ TrajectoryErrors errors_from(const Evaluation& evaluation, const Stamp& start) {
   for (const AteError& error : evaluation.ate.errors)
     add_point(errors.ate_curve, seconds_between(start, error.stamp), error.distance);
   if (!evaluation.rpe) return errors;
+  // Pairs of a pose with itself have no error: the protocol counts some, but all are no result.
+  if (evaluation.rpe->void_pairs == evaluation.rpe->errors.size()) return errors;
   errors.rpe_translation = evaluation.rpe->translation.rmse;
   errors.rpe_rotation = evaluation.rpe->rotation.rmse;
   errors.rpe_pairs = static_cast<std::int64_t>(evaluation.rpe->errors.size());
@@ -65,12 +71,31 @@ RunEvaluation evaluate_run(const GroundTruth& truth, const RunOutcome& outcome) 
   const Evaluation final_poses = evaluate(truth.trajectory, outcome.trajectory, options);
   const Evaluation online_poses = evaluate(truth.trajectory, outcome.online, options);
   const Stamp start = outcome.first_stamp;
+  const Ate scaled = absolute_trajectory_error(truth.trajectory, outcome.trajectory,
+                                               final_poses.matches, AlignmentKind::kSim3);
   return {.ground_truth = truth.source,
           .protocol = describe_protocol(options),
           .final_poses = errors_from(final_poses, start),
           .online_poses = errors_from(online_poses, start),
           .truth = aligned_truth(truth.trajectory, outcome.trajectory,
-                                 final_poses.ate.truth_from_estimate.motion)};
+                                 final_poses.ate.truth_from_estimate.motion),
+          .scale = scaled.truth_from_estimate.scale,
+          .scaled_ate = scaled.distance.rmse,
+          .warnings = final_poses.warnings};
+}
+
+std::optional<std::string> warn_of_scale(const RunEvaluation& evaluation,
+                                         const SourceInfo& source) {
+  constexpr double kExplained = 0.5;  // of the error
+  const double scale = evaluation.scale;
+  const bool is_off = std::abs(scale - 1) > kScaleTolerance && scale > 0 &&
+                      evaluation.scaled_ate < kExplained * evaluation.final_poses.ate;
+  if (!is_off || source.depth_scale <= 0) return std::nullopt;
+  return fmt::format(
+      "the motion must be scaled by {:.4g} to fit the ground truth (ATE {:.4g} m instead of {:.4g} "
+      "m): the depth scale is probably wrong ({}); try --depth-scale {:.6g}",
+      scale, evaluation.scaled_ate, evaluation.final_poses.ate, source.depth_origin,
+      nearest_usual_scale(source.depth_scale / scale));
 }
 
 }  // namespace edvo

@@ -66,6 +66,9 @@ struct RunEvaluation {
   TrajectoryErrors final_poses;   // of RunOutcome::trajectory
   TrajectoryErrors online_poses;  // of RunOutcome::online
   Trajectory truth;               // during the run, aligned to the trajectory
+  double scale = 1;               // that fits the final poses to the ground truth best (Sim(3))
+  double scaled_ate = 0;          // of the final poses with that scale [m]
+  std::vector<std::string> warnings = {};  // what to know before a number is quoted
 };
 
 struct RunOutcome {

@@ -107,13 +107,17 @@ void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observer
 }
 
 void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth,
-                   const Observers& observers) {
+                   const SourceInfo& source, const Observers& observers) {
   if (!truth) {
     outcome.no_evaluation = "no usable ground truth";
     return;
   }
   try {
     outcome.evaluation = evaluate_run(*truth, outcome);
+    if (const auto warning = warn_of_scale(*outcome.evaluation, source))
+      outcome.evaluation->warnings.push_back(*warning);
+    for (const std::string& warning : outcome.evaluation->warnings)
+      tell(observers, &Observer::warning, warning);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kEvaluation) throw;
     outcome.no_evaluation = fmt::format("{}: {}", truth->source, error.what());
@@ -142,7 +146,7 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
   outcome.keyframes = tracker.keyframe_trajectory();
   if (!outcome.trajectory.empty())
     evaluate_into(outcome, options.ground_truth ? options.ground_truth : source.info().ground_truth,
-                  observers);
+                  source.info(), observers);
   tell(observers, &Observer::end, outcome);
   return outcome;
 }
