@@ -256,31 +256,6 @@ TEST(Tracker, InformationIsSymmetricAndPositive) {
   EXPECT_GT(information.ldlt().vectorD().minCoeff(), 0);
 }
 
-TEST(Selection, TakesTheForegroundAtADepthJump) {
-  cv::Mat_<float> depth(40, 40, 3.F);
-  depth(cv::Rect(0, 0, 20, 40)) = 1.F;
-  std::vector<float> depths;
-  edge_depths(depth, 20, {}, depths);
-  EXPECT_EQ(depths[21], 1.F);
-  EXPECT_EQ(depths[30], 3.F);
-  edge_depths(depth, 20, {.foreground = false}, depths);
-  EXPECT_TRUE(std::isnan(depths[21]));
-}
-
-TEST(Selection, DepthsMissingAroundAPixelAreNoJump) {
-  cv::Mat_<float> depth(40, 40, 2.F);
-  depth(19, 20) = depth(20, 22) = std::numeric_limits<float>::quiet_NaN();
-  depth(22, 29) = 1.5F;
-  std::vector<float> depths;
-  edge_depths(depth, 20, {}, depths);
-  EXPECT_EQ(depths[20], 2.F);
-  EXPECT_TRUE(std::isnan(depths[22]));
-  EXPECT_EQ(depths[27], 1.5F);  // as far as jump_radius
-  EXPECT_EQ(depths[26], 2.F);
-  edge_depths(depth, 20, {.max_depth = 1.8}, depths);
-  EXPECT_TRUE(std::isnan(depths[20]));
-}
-
 TEST(Selection, SpreadTakesOneOfEveryCellBeforeTheSecondOfAny) {
   std::vector<SelectedPixel> pixels;
   for (int x = 0; x < 80; ++x) pixels.push_back({{x, 4}, 1.F, static_cast<float>(x % 10)});

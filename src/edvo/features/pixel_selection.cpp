@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/features/pixel_selection.hpp"
 
-#include "edvo/simd/dispatch.hpp"
-#include "edvo/simd/float8.hpp"
+#include "edvo/features/edge_depth.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace edvo {
 namespace {
 
-using simd::Float8;
-using simd::Int8;
-
 constexpr int kBorder = 4;  // [px] room for gradients and patches
-constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+static_assert(kBorder > kEdgeDepthRadius);
 
 // Of the pixel at p, in an image of this stride.
 float gradient_magnitude(const std::uint8_t* p, std::ptrdiff_t stride) {
@@ -25,47 +20,10 @@ float gradient_magnitude(const std::uint8_t* p, std::ptrdiff_t stride) {
   return std::sqrt(gx * gx + gy * gy);
 }
 
-struct DepthLimits {
-  float jump, min, max;
-  bool foreground;
-};
-
-// The nearest and the farthest depth of each column of some rows; infinity and 0 where there is
-// none. width: at least simd::kWidth, as below.
-EDVO_CLONES void span_columns(const float* const* rows, std::size_t count, std::size_t width,
-                              float* nearest, float* farthest) {
-  for (std::size_t begin = 0; begin < width; begin += simd::kWidth) {
-    const std::size_t x = std::min(begin, width - simd::kWidth);
-    Float8 low = Float8{} + std::numeric_limits<float>::infinity(), high{};
-    for (std::size_t i = 0; i < count; ++i) {
-      const Float8& z = simd::load(rows[i] + x);  // NaN is neither nearer nor farther
-      low = z < low ? z : low;
-      high = z > high ? z : high;
-    }
-    simd::store(nearest + x, low);
-    simd::store(farthest + x, high);
-  }
-}
-
-// Each pixel's own depth or, at a jump, the nearest one, from the spans of `count` columns around,
-// the first of which is at nearest and farthest.
-EDVO_CLONES void choose_depths(const float* nearest, const float* farthest, std::size_t count,
-                               const float* centre, std::size_t width, const DepthLimits& limits,
-                               float* depths) {
-  const Float8 none = Float8{} + kNone;
-  for (std::size_t begin = 0; begin < width; begin += simd::kWidth) {
-    const std::size_t x = std::min(begin, width - simd::kWidth);
-    Float8 low = simd::load(nearest + x), high = simd::load(farthest + x);
-    for (std::size_t k = 1; k < count; ++k) {
-      const Float8 &near = simd::load(nearest + x + k), &far = simd::load(farthest + x + k);
-      low = near < low ? near : low;
-      high = far > high ? far : high;
-    }
-    const Float8 at_jump = limits.foreground ? low : none;
-    const Float8 chosen = high - low > limits.jump * low ? at_jump : simd::load(centre + x);
-    const Int8 trusted = (chosen >= limits.min) & (chosen <= limits.max);
-    simd::store(depths + x, trusted ? chosen : none);
-  }
+// Not NaN, and in the range of the sensor.
+bool is_trusted(float depth, const SelectOptions& options) {
+  return depth >= static_cast<float>(options.min_depth) &&
+         depth <= static_cast<float>(options.max_depth);
 }
 
 }  // namespace
@@ -128,46 +86,25 @@ std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int 
   return result;
 }
 
-void edge_depths(const cv::Mat_<float>& depth, int y, const SelectOptions& options,
-                 std::vector<float>& depths) {
-  const auto width = static_cast<std::size_t>(depth.cols);
-  const auto radius = static_cast<std::size_t>(options.jump_radius);
-  std::vector<const float*> rows;
-  for (int i = y - options.jump_radius; i <= y + options.jump_radius; ++i) rows.push_back(depth[i]);
-  // Beyond the left and right border there is no depth.
-  std::vector<float> nearest(width + 2 * radius, std::numeric_limits<float>::infinity());
-  std::vector<float> farthest(width + 2 * radius, 0.F);
-  span_columns(rows.data(), rows.size(), width, nearest.data() + radius, farthest.data() + radius);
-  depths.resize(width);
-  choose_depths(nearest.data(), farthest.data(), 2 * radius + 1, depth[y], width,
-                {.jump = static_cast<float>(options.jump),
-                 .min = static_cast<float>(options.min_depth),
-                 .max = static_cast<float>(options.max_depth),
-                 .foreground = options.foreground},
-                depths.data());
-}
-
 std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std::uint8_t>& mask,
                                          const cv::Mat_<std::uint8_t>& valid,
                                          const SelectOptions& options) {
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
-  const int border = std::max(kBorder, options.jump_radius);
   const cv::Mat_<float> depth = frame.depth.undistorted();
   const auto stride = static_cast<std::ptrdiff_t>(gray.step[0]);
   const auto least = static_cast<float>(options.min_gradient);
   std::vector<SelectedPixel> pixels;
-  std::vector<float> depths;
-  for (int y = border; y < gray.rows - border; ++y) {
+  for (int y = kBorder; y < gray.rows - kBorder; ++y) {
     const std::uint8_t *candidates = mask[y], *seen = valid[y], *row = gray[y];
     if (std::all_of(candidates, candidates + mask.cols, [](std::uint8_t c) { return c == 0; }))
       continue;
-    edge_depths(depth, y, options, depths);
-    for (int x = border; x < gray.cols - border; ++x) {
+    const float* depths = depth[y];
+    for (int x = kBorder; x < gray.cols - kBorder; ++x) {
       if (candidates[x] == 0 || seen[x] == 0) continue;
       const float gradient = gradient_magnitude(row + x, stride);
       if (gradient < least) continue;
-      const float z = depths[static_cast<std::size_t>(x)];
-      if (!std::isnan(z)) pixels.push_back({{x, y}, z, gradient});
+      if (is_trusted(depths[x], options) && on_nearest_surface(depth, {x, y}))
+        pixels.push_back({{x, y}, depths[x], gradient});
     }
   }
   return spread(pixels, gray.cols, options.cell, options.max_points);
@@ -180,8 +117,7 @@ std::vector<SelectedPixel> grid_pixels(const Frame& frame, int step, const Selec
   for (int y = step / 2; y < frame.depth.rows(); y += step)
     for (int x = step / 2; x < frame.depth.cols(); x += step) {
       const float z = frame.depth(y, x);
-      if (z >= static_cast<float>(options.min_depth) && z <= static_cast<float>(options.max_depth))
-        pixels.push_back({{x, y}, z, 0.F});
+      if (is_trusted(z, options)) pixels.push_back({{x, y}, z, 0.F});
     }
   return pixels;
 }

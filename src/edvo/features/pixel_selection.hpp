@@ -20,9 +20,6 @@ struct SelectOptions {
   double min_gradient = 3.0;  // [grey levels / px]
   double min_depth = 0.3;     // [m]
   double max_depth = 8.0;     // [m]
-  double jump = 0.04;         // share of the depth
-  int jump_radius = 2;        // [px]
-  bool foreground = true;
 };
 
 template <typename Self, typename Visitor>
@@ -33,10 +30,6 @@ void visit_fields(Self& self, Visitor&& visit) {
         "least gradient of a tracked pixel [grey levels / px]");
   visit("min_depth", self.min_depth, Range{0, 100}, "nearest depth that is trusted [m]");
   visit("max_depth", self.max_depth, Range{0, 100}, "farthest depth that is trusted [m]");
-  visit("jump", self.jump, Range{0, 10}, "a difference of depths that is a jump, / depth");
-  visit("jump_radius", self.jump_radius, Range{0, 10}, "how far around jumps are looked for [px]");
-  visit("foreground", self.foreground, Range{},
-        "at a jump take the nearest depth around (true) or drop the pixel (false)");
 }
 
 struct SelectedPixel {
@@ -45,8 +38,9 @@ struct SelectedPixel {
   float gradient = 0;  // magnitude [grey levels / px]
 };
 
-// Pixels of the mask with gradient and depth, at most max_points, the strongest of each cell first;
-// in row order. mask: H x W of level 0, 255 = candidate.
+// Pixels of the mask with gradient and a depth that is that of the nearest surface there
+// (edge_depth.hpp), at most max_points, the strongest of each cell first; in row order. mask: H x W
+// of level 0, 255 = candidate.
 [[nodiscard]] std::vector<SelectedPixel> select_pixels(const Frame& frame,
                                                        const cv::Mat_<std::uint8_t>& mask,
                                                        const cv::Mat_<std::uint8_t>& valid,
@@ -62,10 +56,5 @@ struct SelectedPixel {
 // In the order given. width: of the image [px].
 [[nodiscard]] std::vector<SelectedPixel> spread(const std::vector<SelectedPixel>& pixels, int width,
                                                 int cell, int limit);
-
-// Depths of a row's pixels as those of pixels on or near an edge; NaN where none can be trusted,
-// and within jump_radius of the left and right border. y: that far from the others.
-void edge_depths(const cv::Mat_<float>& depth, int y, const SelectOptions& options,
-                 std::vector<float>& depths);
 
 }  // namespace edvo
