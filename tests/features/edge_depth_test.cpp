@@ -2,6 +2,8 @@
 #include "edvo/features/edge_depth.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 #include <limits>
 
 namespace edvo {
@@ -23,27 +25,44 @@ cv::Mat_<float> box_before_wall() {
   return depth;
 }
 
+// Whether the pixel's own depth is taken.
+bool keeps(const cv::Mat_<float>& depth, cv::Point pixel) {
+  return edge_depth(depth, pixel) == depth(pixel);
+}
+
 int pixels_kept(const cv::Mat_<float>& depth) {
   int kept = 0;
   for (int y = kMargin; y < kSize - kMargin; ++y)
-    for (int x = kMargin; x < kSize - kMargin; ++x) kept += on_nearest_surface(depth, {x, y});
+    for (int x = kMargin; x < kSize - kMargin; ++x) kept += keeps(depth, {x, y});
   return kept;
 }
 
 TEST(EdgeDepth, KeepsTheForegroundAtAJumpAndDropsTheBackgroundBesideIt) {
   const cv::Mat_<float> depth = box_before_wall();
-  EXPECT_TRUE(on_nearest_surface(depth, {19, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {17, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {23, 20}));
+  EXPECT_TRUE(keeps(depth, {19, 20}));
+  EXPECT_TRUE(keeps(depth, {17, 20}));
+  EXPECT_FALSE(keeps(depth, {20, 20}));
+  EXPECT_TRUE(keeps(depth, {23, 20}));
+}
+
+TEST(EdgeDepth, APixelBesideTheNearestSurfaceGetsItsDepthAndOneFartherOffNone) {
+  const cv::Mat_<float> depth = box_before_wall();
+  EXPECT_EQ(edge_depth(depth, {20, 20}), 1.F);
+  EXPECT_TRUE(std::isnan(edge_depth(depth, {21, 20})));
+}
+
+TEST(EdgeDepth, AStrayDepthOnAWallIsReplacedByTheWalls) {
+  cv::Mat_<float> depth = wall();
+  depth(20, 20) = 0.7F;
+  EXPECT_EQ(edge_depth(depth, {20, 20}), kWall);
 }
 
 TEST(EdgeDepth, DropsAStrayNearDepthAndKeepsThePixelsAroundIt) {
   cv::Mat_<float> depth = wall();
   depth(20, 20) = 0.7F;
-  EXPECT_FALSE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {21, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {18, 19}));
+  EXPECT_FALSE(keeps(depth, {20, 20}));
+  EXPECT_TRUE(keeps(depth, {21, 20}));
+  EXPECT_TRUE(keeps(depth, {18, 19}));
 }
 
 TEST(EdgeDepth, DropsFlyingPixelsBetweenForegroundAndBackground) {
@@ -52,17 +71,17 @@ TEST(EdgeDepth, DropsFlyingPixelsBetweenForegroundAndBackground) {
     depth(y, 20) = 1.4F + 0.01F * static_cast<float>(y);
     depth(y, 21) = 2.2F - 0.01F * static_cast<float>(y);
   }
-  EXPECT_TRUE(on_nearest_surface(depth, {19, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {21, 20}));
+  EXPECT_TRUE(keeps(depth, {19, 20}));
+  EXPECT_FALSE(keeps(depth, {20, 20}));
+  EXPECT_FALSE(keeps(depth, {21, 20}));
 }
 
 TEST(EdgeDepth, DropsASpeckleBlobOfThreeByThreePixels) {
   cv::Mat_<float> depth = wall();
   depth(cv::Rect(19, 19, 3, 3)) = 1.8F;
-  EXPECT_FALSE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {19, 21}));
-  EXPECT_TRUE(on_nearest_surface(depth, {22, 20}));
+  EXPECT_FALSE(keeps(depth, {20, 20}));
+  EXPECT_FALSE(keeps(depth, {19, 21}));
+  EXPECT_TRUE(keeps(depth, {22, 20}));
 }
 
 TEST(EdgeDepth, KeepsAllOfTheWallUnderStrayDepthsOfATenthOfThePixels) {
@@ -77,7 +96,7 @@ TEST(EdgeDepth, KeepsAllOfTheWallUnderStrayDepthsOfATenthOfThePixels) {
   ASSERT_GT(strays, 100);
   for (int y = kMargin; y < kSize - kMargin; ++y)
     for (int x = kMargin; x < kSize - kMargin; ++x)
-      EXPECT_EQ(on_nearest_surface(depth, {x, y}), depth(y, x) == kWall) << x << ' ' << y;
+      EXPECT_EQ(keeps(depth, {x, y}), depth(y, x) == kWall) << x << ' ' << y;
 }
 
 // The depth edge lies off the image edge, which depth alone cannot tell: the background's texture
@@ -85,33 +104,33 @@ TEST(EdgeDepth, KeepsAllOfTheWallUnderStrayDepthsOfATenthOfThePixels) {
 TEST(EdgeDepth, GivesNoPixelAnotherDepthAtADilatedForeground) {
   cv::Mat_<float> depth = wall();
   depth(cv::Rect(0, 0, 24, kSize)) = 1.F;  // of 20 columns
-  EXPECT_TRUE(on_nearest_surface(depth, {21, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {25, 20}));
+  EXPECT_TRUE(keeps(depth, {21, 20}));
+  EXPECT_FALSE(keeps(depth, {25, 20}));
 }
 
 TEST(EdgeDepth, KeepsTheForegroundBesideAHole) {
   cv::Mat_<float> depth = box_before_wall();
   depth(cv::Rect(20, 0, 6, kSize)) = kNone;
-  EXPECT_TRUE(on_nearest_surface(depth, {19, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {21, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {26, 20}));
+  EXPECT_TRUE(keeps(depth, {19, 20}));
+  EXPECT_FALSE(keeps(depth, {21, 20}));
+  EXPECT_TRUE(keeps(depth, {26, 20}));
 }
 
 TEST(EdgeDepth, KeepsAPixelWithFewNeighboursThatAllAgree) {
   cv::Mat_<float> depth(kSize, kSize, kNone);
   depth(20, 20) = depth(21, 20) = 2.F;
-  EXPECT_TRUE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {22, 20}));
+  EXPECT_TRUE(keeps(depth, {20, 20}));
+  EXPECT_FALSE(keeps(depth, {22, 20}));
   depth(19, 20) = 1.F;
-  EXPECT_FALSE(on_nearest_surface(depth, {20, 20}));
+  EXPECT_FALSE(keeps(depth, {20, 20}));
 }
 
 TEST(EdgeDepth, KeepsAThinPoleOfTwoPixels) {
   cv::Mat_<float> depth = wall();
   depth(cv::Rect(20, 0, 2, kSize)) = 1.F;
-  EXPECT_TRUE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_TRUE(on_nearest_surface(depth, {21, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {19, 20}));
+  EXPECT_TRUE(keeps(depth, {20, 20}));
+  EXPECT_TRUE(keeps(depth, {21, 20}));
+  EXPECT_FALSE(keeps(depth, {19, 20}));
 }
 
 TEST(EdgeDepth, KeepsASlantedSurfaceOfOnePercentAPixel) {
@@ -127,8 +146,8 @@ TEST(EdgeDepth, ReadsOnlyTheSevenBySevenPixelsAround) {
   depth(cv::Rect(24, 0, kSize - 24, kSize)) = 1.F;
   depth(cv::Rect(0, 0, 17, kSize)) = 1.F;
   depth(cv::Rect(0, 24, kSize, kSize - 24)) = 1.F;
-  EXPECT_TRUE(on_nearest_surface(depth, {20, 20}));
-  EXPECT_FALSE(on_nearest_surface(depth, {22, 20}));  // two columns of the nearer
+  EXPECT_TRUE(keeps(depth, {20, 20}));
+  EXPECT_FALSE(keeps(depth, {22, 20}));  // two columns of the nearer
 }
 
 }  // namespace

@@ -287,7 +287,9 @@ TEST(Dataset, OneFolderMayHoldColourAndDepth) {
     write_depth(folder.path() / fmt::format("frame-{:06}.depth.png", i), 2000);
     folder.write(fmt::format("frame-{:06}.pose.txt", i), "");
   }
-  EXPECT_THAT(order(open_dataset(folder.path())), testing::ElementsAre(0, 1, 2));
+  const Dataset dataset = open_dataset(folder.path());
+  EXPECT_THAT(order(dataset), testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(dataset.warnings, testing::Contains(testing::HasSubstr("no ground truth: ")));
 }
 
 TEST(Dataset, ImagesNamedByTimeNeedLists) {

@@ -23,7 +23,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 static_assert(kSide + 1 == simd::kWidth);
 
 // corner: the window's first pixel. The last number of each row is not part of the window.
-EDVO_CLONES bool nearest_supported_has(const float* corner, std::size_t stride, float own) {
+// Returns the nearest depth that has support, or infinity.
+EDVO_CLONES float nearest_supported(const float* corner, std::size_t stride) {
   const Int8 inside = {-1, -1, -1, -1, -1, -1, -1, 0};
   const Float8 infinite = Float8{} + kInfinity;
   Float8 rows[kSide];
@@ -40,8 +41,8 @@ EDVO_CLONES bool nearest_supported_has(const float* corner, std::size_t stride, 
     low = std::min(low, nearest[k]);
     high = std::max(high, farthest[k]);
   }
-  if (high <= kFarthest * low) return true;
-  while (low <= own) {
+  if (high <= kFarthest * low) return low;
+  while (low < kInfinity) {
     Int8 members{};  // each counts as -1
     Float8 next = infinite;
     for (const Float8& z : rows) {
@@ -51,22 +52,33 @@ EDVO_CLONES bool nearest_supported_has(const float* corner, std::size_t stride, 
     }
     std::int32_t support = 0;
     for (std::size_t k = 0; k < simd::kWidth; ++k) support -= members[k];
-    if (support >= kLeastSupport) return own <= kFarthest * low;
+    if (support >= kLeastSupport) return low;
     low = kInfinity;
     for (std::size_t k = 0; k < simd::kWidth; ++k) low = std::min(low, next[k]);
   }
-  return false;
+  return kInfinity;
 }
 
 }  // namespace
 
-bool on_nearest_surface(const cv::Mat_<float>& depth, cv::Point pixel) {
+float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   assert(cv::Rect(kSide / 2 + 1, kSide / 2 + 1, depth.cols - kSide - 1, depth.rows - kSide - 1)
              .contains(pixel));
   const float own = depth(pixel);
-  if (!(own > 0.F)) return false;
+  if (!(own > 0.F)) return kNone;
   const float* corner = depth[pixel.y - kEdgeDepthRadius] + pixel.x - kEdgeDepthRadius;
-  return nearest_supported_has(corner, depth.step1(), own);
+  const float low = nearest_supported(corner, depth.step1());
+  const auto is_member = [&](float z) { return z >= low && z <= kFarthest * low; };
+  if (is_member(own)) return own;
+  float sum = 0;
+  int members = 0;
+  for (const cv::Point& step : {cv::Point(-1, 0), {1, 0}, {0, -1}, {0, 1}})
+    if (const float z = depth(pixel + step); is_member(z)) {
+      sum += z;
+      ++members;
+    }
+  return members > 0 ? sum / static_cast<float>(members) : kNone;
 }
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether the depth measured at an edge pixel is that of the surface whose edge it is.
+// The depth of the surface whose edge an edge pixel is.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -9,12 +9,12 @@ namespace edvo {
 // Pixels around that the test below reads, to each side.
 constexpr int kEdgeDepthRadius = 3;
 
-// True where the pixel's own depth belongs to the nearest surface around it. A surface is a depth
-// that a quarter of the 7 x 7 pixels have, within 4 %. False for a pixel without depth, one whose
-// depth stands alone (stray, flying pixel, speckle), and one of the background beside a foreground:
-// there the image edge is the foreground's. Where all depths around are alike, missing ones are no
-// objection.
+// The pixel's own depth, if it belongs to the nearest surface around; else the mean depth of those
+// of its four neighbours that do; NaN if none does. A surface is a depth that a quarter of the 7 x
+// 7 pixels have, within 4 %. So a depth that stands alone (stray, flying pixel, speckle) is not
+// taken, and neither is the background's beside a foreground, whose outline the image edge is.
+// Where all depths around are alike, missing ones are no objection. NaN for a pixel without depth.
 // depth: H x W [m], NaN = none. pixel: at least 4 px from the border.
-[[nodiscard]] bool on_nearest_surface(const cv::Mat_<float>& depth, cv::Point pixel);
+[[nodiscard]] float edge_depth(const cv::Mat_<float>& depth, cv::Point pixel);
 
 }  // namespace edvo

@@ -98,13 +98,12 @@ std::vector<SelectedPixel> select_pixels(const Frame& frame, const cv::Mat_<std:
     const std::uint8_t *candidates = mask[y], *seen = valid[y], *row = gray[y];
     if (std::all_of(candidates, candidates + mask.cols, [](std::uint8_t c) { return c == 0; }))
       continue;
-    const float* depths = depth[y];
     for (int x = kBorder; x < gray.cols - kBorder; ++x) {
       if (candidates[x] == 0 || seen[x] == 0) continue;
       const float gradient = gradient_magnitude(row + x, stride);
       if (gradient < least) continue;
-      if (is_trusted(depths[x], options) && on_nearest_surface(depth, {x, y}))
-        pixels.push_back({{x, y}, depths[x], gradient});
+      const float z = edge_depth(depth, {x, y});
+      if (is_trusted(z, options)) pixels.push_back({{x, y}, z, gradient});
     }
   }
   return spread(pixels, gray.cols, options.cell, options.max_points);

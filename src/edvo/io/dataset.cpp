@@ -131,7 +131,12 @@ void check_existence(Dataset& dataset) {
 }
 
 void add_poses_beside_images(Dataset& dataset) {
-  std::optional<ImagePoses> poses = read_image_poses(dataset.root, dataset.frames);
+  std::optional<ImagePoses> poses;
+  try {
+    poses = read_image_poses(dataset.root, dataset.frames);
+  } catch (const Error& error) {  // the images can be tracked all the same
+    dataset.warnings.push_back(std::string("no ground truth: ") + error.what());
+  }
   if (!poses) return;
   dataset.notes.push_back(fmt::format("ground truth: {}", poses->source));
   dataset.warnings.insert(dataset.warnings.end(), poses->warnings.begin(), poses->warnings.end());
