@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/keyframe_policy.hpp"
 
+#include <algorithm>
+
 namespace edvo {
 namespace {
 
-constexpr double kPoorFit = 1.5;  // times the usual sigma: a blurred keyframe may be why
+constexpr double kGrown = 1.75;    // times the usual sigma: the keyframe explains little
+constexpr double kLeastUsual = 8;  // [grey levels] of a camera at rest images differ by noise alone
+constexpr double kPoorFit = 1.5;   // times the usual sigma: a blurred keyframe may be why
 
 // A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
 // is, however little it has moved: the pose may drift by centimetres while the camera stands still.
@@ -12,6 +16,13 @@ bool keyframe_is_blurred(const AlignResult& result, const Frame& frame, const Tr
                          double blur_ratio) {
   return blur_ratio > 0 && result.sigma > kPoorFit * state.usual_sigma &&
          frame.sharpness > blur_ratio * state.keyframe_sharpness;
+}
+
+// Where something moves in front of what a keyframe shows, its residuals grow with their own scale,
+// and the share of inliers tells nothing.
+bool explains_little(const AlignResult& result, const TrackingState& state) {
+  return state.moving_object_frames > 0 &&
+         result.sigma > kGrown * std::max(state.usual_sigma, kLeastUsual);
 }
 
 }  // namespace
@@ -25,7 +36,8 @@ std::optional<KeyframeReason> KeyframePolicy::due(const AlignResult& result, con
       rotation_angle(motion) > options_.rotation)
     return KeyframeReason::kMotion;
   if (result.overlap < options_.overlap) return KeyframeReason::kOverlap;
-  if (result.inlier_ratio < options_.inliers) return KeyframeReason::kInliers;
+  if (result.inlier_ratio < options_.inliers || explains_little(result, state))
+    return KeyframeReason::kInliers;
   if (keyframe_is_blurred(result, frame, state, options_.blur_ratio))
     return KeyframeReason::kSharper;
   return std::nullopt;
