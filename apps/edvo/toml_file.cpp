@@ -3,6 +3,7 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/error.hpp"
+#include "edvo/core/nesting.hpp"
 #include "edvo/io/file.hpp"
 
 #include <fmt/format.h>
@@ -18,8 +19,12 @@ void refuse(const TomlFile& file, const toml::node& node, const std::string& wha
 
 toml::table parse_toml(const TomlFile& file) {
   constexpr std::size_t kLargestFile = 1 << 24;  // [bytes]
+  const std::string text = read_file(file.path, kLargestFile);
+  if (const auto line = line_nested_too_deeply_in_toml(text))
+    throw Error(ErrorCode::kConfig,
+                fmt::format("{}:{}: nested too deeply", file.path.string(), *line));
   try {
-    return toml::parse(read_file(file.path, kLargestFile), file.path.string());
+    return toml::parse(text, file.path.string());
   } catch (const toml::parse_error& error) {
     throw Error(ErrorCode::kConfig, fmt::format("{}:{}: not valid TOML: {}", file.path.string(),
                                                 error.source().begin.line, error.description()));

@@ -2,6 +2,7 @@
 #include "edvo/io/camera_file.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/nesting.hpp"
 #include "edvo/io/camera_text.hpp"
 #include "edvo/io/file.hpp"
 #include "edvo/io/text_list.hpp"
@@ -87,6 +88,8 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
 }
 
 StatedCamera parse_camera_toml(const path& file, std::string_view text) {
+  if (const auto line = line_nested_too_deeply_in_toml(text))
+    fail_camera(file, fmt::format("line {}: nested too deeply", *line));
   toml::table table;
   try {
     table = toml::parse(text, file.string());

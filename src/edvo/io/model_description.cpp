@@ -2,6 +2,7 @@
 #include "edvo/io/model_description.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
+#include "edvo/core/nesting.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -177,6 +178,8 @@ bool is_hash(std::string_view text) {
 }  // namespace
 
 ModelDescription model_description_from_toml(std::string_view text, const std::string& source) {
+  if (const auto line = line_nested_too_deeply_in_toml(text))
+    throw Error(ErrorCode::kModel, fmt::format("{}:{}: nested too deeply", source, *line));
   toml::table table;
   try {
     table = toml::parse(text, source);

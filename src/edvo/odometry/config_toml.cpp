@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/did_you_mean.hpp"
+#include "edvo/core/nesting.hpp"
 #include "edvo/odometry/config.hpp"
 
 #include <fmt/format.h>
@@ -258,6 +259,8 @@ std::string line_of(const toml::node& node, const std::string& source) {
 }
 
 toml::table parse(std::string_view text, const std::string& source) {
+  if (const auto line = line_nested_too_deeply_in_toml(text))
+    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: nested too deeply", source, *line));
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
