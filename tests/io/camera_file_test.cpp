@@ -162,6 +162,19 @@ TEST(CameraFile, ADepthScaleThatIsNoneIsRefused) {
     }));
 }
 
+TEST(CameraFile, ASizeThatIsNoneIsRefusedInEveryFormat) {
+  for (const char* const size :
+       {"[-1e300, .nan]", "[640.5, 480]", "[0, 480]", "[.inf, .inf]", "[1e300, 1e300]"})
+    EXPECT_TRUE(refuses({"is no size in pixels"},
+                        "cam0:\n  intrinsics: [517.3, 516.5, 318.6, 255.3]\n  resolution: " +
+                            std::string(size) + "\n",
+                        {}))
+        << size;
+  EXPECT_TRUE(refuses({"is no size in pixels"},
+                      "K: [517.3, 0, 318.6, 0, 516.5, 255.3, 0, 0, 1]\nwidth: .nan\nheight: -1\n",
+                      {}));
+}
+
 TEST(CameraFile, SomeoneMustSayTheImageSize) {
   EXPECT_EQ(read(kOpenCv, {}).pinhole.width, 640);
   EXPECT_TRUE(refuses({"size of the images"}, kToml, {}));

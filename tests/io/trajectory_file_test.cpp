@@ -196,5 +196,15 @@ TEST(TrajectoryFile, MarksSegmentsByCommentsThatReadersPassOver) {
   EXPECT_EQ(read_trajectory(folder.path() / "poses.tum").trajectory.size(), 4u);
 }
 
+TEST(TrajectoryFile, StampsWhoseDifferencesDoNotFitAreRefused) {
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"far.tum:2", "stamp", "9e9"}, [] {
+    (void)parse_trajectory("1 0 0 0 0 0 0 1\n9e9 0 0 0 0 0 0 1\n", "far.tum");
+  }));
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"far.tum:1"},
+                         [] { (void)parse_trajectory("-9e9 0 0 0 0 0 0 1\n", "far.tum"); }));
+  EXPECT_EQ(parse_trajectory("-3.9e9 0 0 0 0 0 0 1\n3.9e9 0 0 0 0 0 0 1\n", "").trajectory.size(),
+            2U);
+}
+
 }  // namespace
 }  // namespace edvo

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
+#include <cmath>
 #include <initializer_list>
 #include <sstream>
 #include <string>
@@ -42,8 +43,16 @@ std::string text_of(const YAML::Node& node) {
   return node && node.IsScalar() ? node.Scalar() : std::string();
 }
 
-cv::Size size_of(const YAML::Node& width, const YAML::Node& height) {
-  return width && height ? cv::Size(width.as<int>(), height.as<int>()) : cv::Size();
+int side_of(const path& file, double value) {
+  constexpr double kLargestSide = 1e6;  // [px]
+  if (!(value >= 1 && value <= kLargestSide) || value != std::floor(value))
+    fail_camera(file, fmt::format("{} is no size in pixels", value));
+  return static_cast<int>(value);
+}
+
+cv::Size size_of(const path& file, const YAML::Node& width, const YAML::Node& height) {
+  if (!width || !height) return {};
+  return {side_of(file, width.as<double>()), side_of(file, height.as<double>())};
 }
 
 void check_model(const path& file, const std::string& what, const std::string& model,
@@ -85,7 +94,7 @@ StatedCamera kalibr_camera(const path& file, const YAML::Node& cam) {
     if (sides.size() != 2)
       fail_camera(file, fmt::format("cam0: expected resolution [width, height], got {} numbers",
                                     sides.size()));
-    camera.size = {cv::saturate_cast<int>(sides[0]), cv::saturate_cast<int>(sides[1])};
+    camera.size = {side_of(file, sides[0]), side_of(file, sides[1])};
   }
   return camera;
 }
@@ -101,7 +110,7 @@ StatedCamera matrix_camera(const path& file, const YAML::Node& root, const YAML:
           root, {"distortion_coefficients", "Distortion_Coefficients", "distortion_coefficents",
                  "dist_coeffs", "distCoeffs", "dist_coeff", "D", "d"}))
     camera.distortion = numbers_in(file, distortion);
-  camera.size = size_of(find(root, {"image_width", "image_Width", "width"}),
+  camera.size = size_of(file, find(root, {"image_width", "image_Width", "width"}),
                         find(root, {"image_height", "image_Height", "height"}));
   return camera;
 }
@@ -122,7 +131,7 @@ StatedCamera named_camera(const path& file, const YAML::Node& root, const std::s
                       .cx = number("cx"),
                       .cy = number("cy"),
                       .distortion = {},
-                      .size = size_of(root[common + "width"], root[common + "height"])};
+                      .size = size_of(file, root[common + "width"], root[common + "height"])};
   const auto add = [&](std::initializer_list<const char*> keys) {
     for (const char* const key : keys) {
       const YAML::Node node = root[prefix + key];

@@ -96,8 +96,11 @@ Line parse_pose(const Fields& fields, const Place& place) {
   if (fields.count != kFields)
     fail(place, fmt::format("expected {} fields ({}), got {}", kFields, kFieldNames, fields.count));
   const std::optional<Stamp> stamp = parse_stamp(fields.text[0]);
-  if (!stamp)
-    fail(place, fmt::format("expected a stamp in seconds, got {}", quoted(fields.text[0])));
+  // Up to the year 2096, so that the difference of any two fits into 64 bits of nanoseconds.
+  constexpr double kLatest = 4e9;  // [s]
+  if (!stamp || std::abs(to_seconds(*stamp)) > kLatest)
+    fail(place, fmt::format("expected a stamp in seconds up to {:g}, got {}", kLatest,
+                            quoted(fields.text[0])));
   std::array<double, kFields> v{};
   for (std::size_t i = 1; i < kFields; ++i) v[i] = number(fields.text[i], place);
   const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
