@@ -191,6 +191,30 @@ TEST_F(ArchiveTest, ACacheThatCannotBeWrittenIsAnOutputError) {
                          [&] { (void)unpack_archive(file("a.tgz"), file("file/cache")); }));
 }
 
+// libarchive gives no reason for some of these.
+TEST_F(ArchiveTest, ADamagedHeaderOfACompressedTarIsAnInputError) {
+  for (const std::string bytes : {"\x1f\x8b", "\x1f\x8b\x08\xff", "BZh9",
+                                  "\xfd"
+                                  "7zXZ",
+                                  "PK\x03\x04", "\x28\xb5\x2f\xfd"}) {
+    folder.write("a.tgz", bytes);
+    EXPECT_TRUE(fails_with(ErrorCode::kInput, {"a.tgz"}, [&] {
+      (void)unpack_archive(file("a.tgz"), cache);
+    })) << bytes;
+    folder.write("a.tgz", bytes + std::string(100'000, '\x55'));
+    EXPECT_TRUE(fails_with(ErrorCode::kInput, {"a.tgz"}, [&] {
+      (void)unpack_archive(file("a.tgz"), cache);
+    })) << bytes;
+  }
+}
+
+TEST_F(ArchiveTest, AnArchiveWithoutASequenceDoesNotStayInTheCache) {
+  write_archive(file("a.tgz"), {{.name = "x", .content = ""}, {.name = "y", .content = ""}});
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"no RGB-D sequence"},
+                         [&] { (void)open_dataset(file("a.tgz"), {.cache = cache}); }));
+  EXPECT_EQ(cached(), 0U);
+}
+
 TEST_F(ArchiveTest, WithoutACacheTheErrorTellsWhatToSet) {
   write_archive(file("a.tgz"), {{.name = "x", .content = "1"}});
   EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"a.tgz", "XDG_CACHE_HOME or HOME"},

@@ -12,7 +12,7 @@
 
 namespace edvo::test {
 
-inline constexpr int kSmallWidth = 8, kSmallHeight = 6;  // [px]
+inline constexpr int kSmallWidth = 10, kSmallHeight = 8;  // [px]
 
 // All pixels alike: enough to tell frames apart.
 inline void write_colour(const std::filesystem::path& file, int value,

@@ -2,6 +2,7 @@
 #include "edvo/io/archive.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/io/archive_cache.hpp"
 #include "edvo/io/text_list.hpp"
 
 #include <archive.h>
@@ -26,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kBlock = std::size_t{1} << 18;  // [bytes] handed from the archive to a file
-constexpr int kMostEntries = 10'000'000;
+constexpr int kMostEntries = 2'000'000;
 
 // Images hardly compress, so an archive that grows more than this is made to fill the disk.
 constexpr std::uintmax_t kLargestGrowth = 100;
@@ -48,6 +49,12 @@ struct ArchiveDelete {
 };
 using ArchiveReader = std::unique_ptr<archive, ArchiveDelete>;
 
+// libarchive does not always know one.
+std::string_view reason_of(archive* handle) {
+  const char* const reason = archive_error_string(handle);
+  return reason != nullptr ? reason : "unknown reason";
+}
+
 ArchiveReader open_archive(const fs::path& file) {
   ArchiveReader reader(archive_read_new());
   if (!reader) throw std::bad_alloc();
@@ -60,7 +67,7 @@ ArchiveReader open_archive(const fs::path& file) {
   archive_read_support_format_zip_seekable(reader.get());  // needs the directory at its end
   if (archive_read_open_filename(reader.get(), file.c_str(), kBlock) != ARCHIVE_OK)
     fail_input(file, fmt::format("neither a folder nor a readable tar or zip archive, {}",
-                                 archive_error_string(reader.get())));
+                                 reason_of(reader.get())));
   return reader;
 }
 
@@ -184,9 +191,8 @@ class Unpacker {
   }
 
   [[noreturn]] void fail_damaged() const {
-    const char* const reason = archive_error_string(reader_.get());
     fail_input(archive_, fmt::format("no tar or zip archive, or a damaged one: {}",
-                                     reason != nullptr ? reason : "unknown reason"));
+                                     reason_of(reader_.get())));
   }
 
   const fs::path& archive_;
@@ -217,7 +223,10 @@ fs::path unpack_archive(const fs::path& archive, const fs::path& cache,
   const std::string key = cache_key(archive);
   const fs::path target = cache / key;
   std::error_code error;
-  if (fs::is_directory(target, error)) return target;
+  if (fs::is_directory(target, error)) {
+    fs::last_write_time(target, fs::file_time_type::clock::now(), error);  // of its last use
+    return target;
+  }
 
   Unpacker unpacker(archive, on_progress);
   fs::create_directories(cache, error);
@@ -229,6 +238,8 @@ fs::path unpack_archive(const fs::path& archive, const fs::path& cache,
   Scratch scratch(partial);
   unpacker.unpack_to(scratch.folder());
   scratch.keep_as(target);
+  fs::last_write_time(target, fs::file_time_type::clock::now(), error);
+  limit_cache(cache, kLargestCache);
   return target;
 }
 

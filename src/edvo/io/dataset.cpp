@@ -83,6 +83,16 @@ Found find_sequence(const fs::path& folder, const DatasetOptions& options) {
                    fs::is_empty(folder, ignored) ? "empty folder, " : "", describe_layouts()));
 }
 
+Found find_unpacked_sequence(const fs::path& folder, const DatasetOptions& options) {
+  try {
+    return find_sequence(folder, options);
+  } catch (const Error&) {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);  // what cannot be used is not kept
+    throw;
+  }
+}
+
 std::optional<fs::path> find_ground_truth(const fs::path& root) {
   std::error_code ignored;
   for (const char* const name : {"groundtruth.txt", "ground_truth.txt", "groundtruth.tum"})
@@ -163,6 +173,8 @@ struct StoredFrame {
   cv::Mat_<std::uint16_t> depth;
 };
 
+constexpr int kSmallestSide = 8;  // [px], of what is tracked
+
 StoredFrame read_stored(const FrameEntry& frame, bool shrink_colour) {
   StoredFrame stored{.bgr = read_colour(frame.colour), .depth = read_depth_raw(frame.depth)};
   if (shrink_colour && stored.bgr.size() != stored.depth.size() && stored.depth.total() > 0)
@@ -236,7 +248,8 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
     folder = unpack_archive(source, options.cache, options.on_unpack);
     dataset.notes.push_back(fmt::format("unpacked in {}", folder.string()));
   }
-  auto [root, listing] = find_sequence(folder, options);
+  auto [root, listing] =
+      is_archive ? find_unpacked_sequence(folder, options) : find_sequence(folder, options);
   dataset.root = std::move(root);
   dataset.layout = listing.layout;
   dataset.frames = std::move(listing.frames);
@@ -255,6 +268,10 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
                                       dataset.depth_scale.units_per_metre,
                                       dataset.depth_scale.source));
   dataset.image_size = first_readable_frame(dataset).bgr.size();
+  if (std::min(dataset.image_size.width, dataset.image_size.height) < kSmallestSide)
+    fail(dataset.root,
+         fmt::format("images of {} x {} px are too small; sides start at {} px",
+                     dataset.image_size.width, dataset.image_size.height, kSmallestSide));
   const DepthFindings depth = check_depth(sample_depth(dataset), dataset.depth_scale);
   dataset.notes.insert(dataset.notes.end(), depth.notes.begin(), depth.notes.end());
   dataset.warnings.insert(dataset.warnings.end(), depth.warnings.begin(), depth.warnings.end());
