@@ -5,6 +5,8 @@
 #include "support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <csignal>
 
 namespace edvo {
 namespace {
@@ -34,6 +36,39 @@ TEST(LineFile, NamesTheFileThatCannotBeWritten) {
   LineFile full("/dev/full");
   EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"/dev/full", "free some space"},
                          [&] { full.append("line"); }));
+}
+
+TEST(LineFile, NoticesAtOnceThatItsFileOrFolderIsGone) {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "run");
+  const fs::path path = folder.path() / "run/lines";
+  LineFile file(path);
+  file.append("one");
+  fs::rename(folder.path() / "run", folder.path() / "moved");
+  EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"lines", "removed, moved or replaced"},
+                         [&] { file.append("two"); }));
+  fs::rename(folder.path() / "moved", folder.path() / "run");
+  file.append("two");
+  fs::remove_all(folder.path() / "run");
+  EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"lines", "removed, moved or replaced"},
+                         [&] { file.append("three"); }));
+}
+
+TEST(LineFile, TakesBackALineThatReachesTheLimitOfAFile) {
+  const test::TemporaryFolder folder;
+  const fs::path path = folder.path() / "lines";
+  LineFile file(path);
+  file.append("0123456789");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{.rlim_cur = 15, .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  const auto error = test::error_of([&] { file.append("0123456789"); });
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(text_of(path), "0123456789\n");
 }
 
 TEST(WriteWhole, ReplacesTheFileAndLeavesNothingBeside) {

@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -43,6 +44,14 @@ int write_all(int descriptor, std::string_view bytes) {
   return 0;
 }
 
+// False if what is written to the descriptor will not be found at the path.
+bool is_at(const fs::path& path, int descriptor) {
+  struct stat opened {
+  }, found{};
+  if (::fstat(descriptor, &opened) != 0 || ::stat(path.c_str(), &found) != 0) return false;
+  return opened.st_ino == found.st_ino && opened.st_dev == found.st_dev;
+}
+
 }  // namespace
 
 LineFile::LineFile(fs::path path) : path_(std::move(path)), descriptor_(open_for_writing(path_)) {}
@@ -52,6 +61,10 @@ LineFile::~LineFile() {
 }
 
 void LineFile::append(std::string_view line) {
+  if (!is_at(path_, descriptor_))
+    throw Error(ErrorCode::kOutput,
+                fmt::format("{}: was removed, moved or replaced while it was being written",
+                            path_.string()));
   std::string with_end(line);
   with_end += '\n';
   if (const int error = write_all(descriptor_, with_end); error != 0) {

@@ -18,7 +18,8 @@ class LineFile {
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
-  // Adds the line and a line end. Throws Error(kOutput) naming the file.
+  // Adds the line and a line end. Throws Error(kOutput) naming the file, also where it is no longer
+  // at its path.
   void append(std::string_view line);
 
  private:

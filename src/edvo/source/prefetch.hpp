@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <thread>
 #include <type_traits>
@@ -207,6 +208,8 @@ Prefetched<Frame> Prefetch<Frame>::read_frame(const PendingFrame& pending) const
     return {.index = pending.index, .stamp = pending.stamp, .content = read_(pending)};
   } catch (const Error& error) {
     return failed(error);
+  } catch (const std::bad_alloc&) {
+    return failed(Error(ErrorCode::kInput, "not enough memory for this frame"));
   } catch (const std::exception& error) {
     return failed(Error(ErrorCode::kInternal, error.what()));
   }
