@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/html.hpp"
 
+#include "edvo/core/clean_text.hpp"
 #include "report/sample_run.hpp"
 
 #include <gmock/gmock.h>
@@ -49,6 +50,24 @@ TEST(Report, TakesNoMarkupFromNames) {
   for (const char* part : {"<script>alert", "<script>note", "<script>file", "<script>truth"})
     EXPECT_THAT(page, Not(HasSubstr(part)));
   EXPECT_THAT(page, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;"));
+}
+
+TEST(Report, IsUtf8WhateverNamesHold) {
+  RunDescription description = sample_description();
+  description.sequence = description.source = "caf\xE9\x1b[31m";
+  const std::string page = page_of(sample_run(20), description);
+  EXPECT_EQ(page, clean_text(page));
+  EXPECT_THAT(page, HasSubstr("caf??[31m"));
+}
+
+TEST(Report, ShowsTheHeightOfACameraWhoseYPointsUp) {
+  const std::string page = page_of(sample_run(20), sample_description());
+  EXPECT_THAT(page, HasSubstr(">-y, up [m]<"));
+  RunDescription description = sample_description();
+  description.camera.pinhole.fy *= -1;
+  const std::string upward = page_of(sample_run(20), description);
+  EXPECT_THAT(upward, HasSubstr(">y, up [m]<"));
+  EXPECT_THAT(upward, HasSubstr("data-right=\"2\" data-up=\"1\" data-sign=\"1\""));
 }
 
 TEST(Report, ShowsWarningsSkippedFramesAndInterruptions) {

@@ -42,6 +42,33 @@ TEST(Table, EscapesInLatex) {
   EXPECT_NE(text.find("a\\_b & 1.5 \\\\"), std::string::npos);
 }
 
+// A name in a cell, between its two separators.
+std::string cell_of(const std::string& name, TableFormat format) {
+  const std::string text = format_table({.header = {"h", "n"}, .rows = {{"r", name}}}, format);
+  const std::string separator = format == TableFormat::kLatex ? "r & " : "| r | ";
+  const std::size_t begin = text.rfind(separator) + separator.size();
+  const std::size_t end = text.find(format == TableFormat::kLatex ? " \\\\" : " |\n", begin);
+  return text.substr(begin, end - begin);
+}
+
+TEST(Table, EscapesWhatIsMarkupInMarkdown) {
+  const auto cell = [](const std::string& name) { return cell_of(name, TableFormat::kMarkdown); };
+  EXPECT_EQ(cell("<script>"), "\\<script\\>");
+  EXPECT_EQ(cell("a\\|b`c`*d*"), "a\\\\\\|b\\`c\\`\\*d\\*");
+  EXPECT_EQ(cell("[a](http://x)"), "\\[a](http://x)");
+  EXPECT_EQ(cell("_a_b_"), "\\_a_b\\_");
+  EXPECT_EQ(cell("&lt;~~x~~"), "\\&lt;\\~\\~x\\~\\~");
+  EXPECT_EQ(cell("two\nlines\x1b"), "two lines?");
+}
+
+TEST(Table, EscapesWhatIsMarkupInLatex) {
+  const auto cell = [](const std::string& name) { return cell_of(name, TableFormat::kLatex); };
+  EXPECT_EQ(cell("a\\input{x}"), "a\\textbackslash{}input\\{x\\}");
+  EXPECT_EQ(cell("~^<>"), "\\textasciitilde{}\\textasciicircum{}\\textless{}\\textgreater{}");
+  EXPECT_EQ(cell("two\n\nlines"), "two  lines");
+  EXPECT_EQ(format_note("x\n\\input{y}", TableFormat::kLatex), "% x \\input{y}\n");
+}
+
 TEST(Table, NotesAreCommentsWhereTheFormatHasThem) {
   EXPECT_EQ(format_note("x", TableFormat::kText), "x\n");
   EXPECT_EQ(format_note("x", TableFormat::kCsv), "# x\n");

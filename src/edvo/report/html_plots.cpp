@@ -65,6 +65,8 @@ struct View {
 };
 constexpr View kTopView{"From above", "x, right [m]", "z, ahead [m]", 0, 2, 1};
 constexpr View kSideView{"From the side", "z, ahead [m]", "-y, up [m]", 2, 1, -1};
+// Of a camera with negative fy: its y points up.
+constexpr View kSideViewOfUpwardY{"From the side", "z, ahead [m]", "y, up [m]", 2, 1, 1};
 
 // The line of a trajectory, interrupted where tracking was lost.
 Series line_of(const Trajectory& trajectory, const View& view, const Timeline& timeline,
@@ -255,8 +257,9 @@ Figure time_figure(const RunLog& log, const Timeline& timeline) {
 
 std::string plots_of(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
   const Timeline timeline = make_timeline(log);
+  const View& side = summary.run.camera.pinhole.fy < 0 ? kSideViewOfUpwardY : kSideView;
   std::vector<Figure> figures = {map_figure(kTopView, summary, outcome, timeline),
-                                 map_figure(kSideView, summary, outcome, timeline)};
+                                 map_figure(side, summary, outcome, timeline)};
   if (summary.evaluation)
     for (Figure& figure : error_figures(*summary.evaluation, timeline))
       figures.push_back(std::move(figure));

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/markup.hpp"
 
+#include "edvo/core/clean_text.hpp"
+
 namespace edvo {
 
 std::string escape_markup(std::string_view text) {
   std::string escaped;
   escaped.reserve(text.size());
-  for (const char c : text) {
+  for (const char c : clean_text(text)) {
     switch (c) {
       case '&':
         escaped += "&amp;";

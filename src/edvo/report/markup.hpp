@@ -7,7 +7,8 @@
 
 namespace edvo {
 
-// The text with & < > " ' spelled so that it can stand between tags and in attributes.
+// The text as valid UTF-8, with & < > " ' spelled so that it can stand between tags and in
+// attributes.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 
 }  // namespace edvo

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/table.hpp"
 
+#include "edvo/core/clean_text.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 
 namespace edvo {
@@ -48,11 +51,29 @@ std::string as_text(const Table& table) {
   return text;
 }
 
+// A cell is one line, whatever it holds.
+std::string on_one_line(std::string_view cell) {
+  std::string line = clean_text(cell);
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c == '\n' || c == '\t'; }, ' ');
+  return line;
+}
+
+bool is_letter_or_digit(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0;
+}
+
+// HTML and links are Markdown, too. An underscore within a word is none.
 std::string markdown_cell(std::string_view cell) {
+  const std::string line = on_one_line(cell);
   std::string escaped;
-  for (const char c : cell) {
-    if (c == '|') escaped += '\\';
-    escaped += c == '\n' ? ' ' : c;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool in_word = i > 0 && i + 1 < line.size() && is_letter_or_digit(line[i - 1]) &&
+                         is_letter_or_digit(line[i + 1]);
+    const bool is_markup = std::string_view("|\\`*<>&~").find(line[i]) != std::string_view::npos;
+    const bool opens_link = line[i] == '[' && line.find("](", i) != std::string::npos;
+    if (is_markup || opens_link || (line[i] == '_' && !in_word)) escaped += '\\';
+    escaped += line[i];
   }
   return escaped;
 }
@@ -84,11 +105,15 @@ std::string csv_cell(const std::string& cell) {
 
 std::string latex_cell(const std::string& cell) {
   std::string escaped;
-  for (const char c : cell) {
+  for (const char c : on_one_line(cell)) {
     if (c == '\\') {
       escaped += "\\textbackslash{}";
-    } else if (c == '~' || c == '^') {
-      escaped += fmt::format("\\{}{{}}", c);
+    } else if (c == '~') {
+      escaped += "\\textasciitilde{}";
+    } else if (c == '^') {
+      escaped += "\\textasciicircum{}";
+    } else if (c == '<' || c == '>') {  // other characters in the oldest font encoding
+      escaped += c == '<' ? "\\textless{}" : "\\textgreater{}";
     } else {
       if (std::string_view("&%$#_{}").find(c) != std::string_view::npos) escaped += '\\';
       escaped += c;
@@ -138,12 +163,13 @@ std::string format_table(const Table& table, TableFormat format) {
   return {};
 }
 
-std::string format_note(const std::string& line, TableFormat format) {
+std::string format_note(const std::string& note, TableFormat format) {
+  const std::string line = on_one_line(note);
   switch (format) {
     case TableFormat::kText:
       return line + '\n';
     case TableFormat::kMarkdown:
-      return '\n' + line + "\n\n";  // a paragraph of its own
+      return '\n' + markdown_cell(line) + "\n\n";  // a paragraph of its own
     case TableFormat::kCsv:
       return "# " + line + '\n';
     case TableFormat::kLatex:
