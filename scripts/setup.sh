@@ -65,6 +65,13 @@ parallel_jobs() {
 configure() {
   local log
   log=$(mktemp)
+  # A checkout that was copied or moved brings a build folder that names its old place.
+  local built_from
+  built_from=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' build/CMakeCache.txt 2>/dev/null || true)
+  if [[ -n $built_from && $built_from != "$(pwd -P)" ]]; then
+    echo "edvo: build/ was made in $built_from; it is configured anew"
+    rm -rf build/CMakeCache.txt build/CMakeFiles
+  fi
   if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "$@" >"$log" 2>&1; then
     cat "$log" >&2
     rm -f "$log"
