@@ -54,7 +54,7 @@ int main() try {
   const edvo::DistortedCamera camera{.pinhole = pinhole, .distortion = {0, 0, 0, 0, 0}};
 
   edvo::Config config = edvo::preset(edvo::Method::kCannyCorner);
-  edvo::set_option(config, "frame.levels=3");  // a small image needs fewer
+  edvo::set_option(config, "keyframes.period=10");  // a keyframe at least every 10 frames
 
   edvo::Odometry odometry(camera, config);
   const FakeSensor sensor(pinhole);

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Plants bad frames in clips of real sequences and counts the frames that are wrong while tracked.
+
+    benchmarks/bad_frames.py DATA OUT [--edvo build/bin/edvo] [--kind gap]
+
+DATA holds the unpacked TUM sequences rgbd_dataset_freiburg1_xyz, _desk and _rpy; with --icl FOLDER a
+recording of ICL-NUIM is taken too. 13 clips of 50 frames are written to OUT at 320 x 240, each plain
+and with every kind of fault, then tracked. A frame is wrong if its pose, relative to the first one
+of its segment, is more than 10 cm or 5 degrees off the ground truth. Needs numpy and opencv-python
+(benchmarks/requirements.txt). The random parts are seeded.
+"""
+import argparse
+import json
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+SIZE = (320, 240)
+LENGTH = 50  # frames
+FR1 = ("258.653 258.2346 159.07152 127.4069945 "
+       "0.262383 -0.953104 -0.005358 0.002628 1.163314")
+ICL = "240.6 -240 159.5 119.5"
+STARTS = {"xyz": (20, 200, 420, 600), "desk": (10, 150, 300, 450), "rpy": (30, 250, 480),
+          "icl": (5, 40)}
+OTHER = {"xyz": "desk", "desk": "rpy", "rpy": "xyz", "icl": "xyz"}
+
+
+def read_list(path):
+    lines = [line.split() for line in path.read_text().splitlines() if line and line[0] != "#"]
+    return [(words[0], words[1]) for words in lines]
+
+
+def pairs_of(folder):
+    """(stamp, colour file, depth file) of each colour image with a depth image within 20 ms."""
+    depth = read_list(folder / "depth.txt")
+    stamps = np.array([float(stamp) for stamp, _ in depth])
+    pairs = []
+    for stamp, colour in read_list(folder / "rgb.txt"):
+        nearest = int(np.argmin(abs(stamps - float(stamp))))
+        if abs(stamps[nearest] - float(stamp)) < 0.02:
+            pairs.append((stamp, folder / colour, folder / depth[nearest][1]))
+    return pairs
+
+
+def load(pair):
+    stamp, colour, depth = pair
+    image = cv2.resize(cv2.imread(str(colour)), SIZE, interpolation=cv2.INTER_AREA)
+    return stamp, image, cv2.imread(str(depth), cv2.IMREAD_UNCHANGED)[::2, ::2].copy()
+
+
+def write(folder, frames, camera, truth):
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+    lists = {"rgb": [], "depth": []}
+    for i, (stamp, colour, depth) in enumerate(frames):
+        cv2.imwrite(str(folder / f"rgb/{i:03}.jpg"), colour, [cv2.IMWRITE_JPEG_QUALITY, 95])
+        cv2.imwrite(str(folder / f"depth/{i:03}.png"), depth)
+        lists["rgb"].append(f"{stamp} rgb/{i:03}.jpg\n")
+        lists["depth"].append(f"{stamp} depth/{i:03}.png\n")
+    for name, lines in lists.items():
+        (folder / f"{name}.txt").write_text("".join(lines))
+    (folder / "intrinsics.txt").write_text(camera + "\n")
+    shutil.copy(truth, folder / "groundtruth.txt")
+
+
+def replaced(frames, begin, end, change):
+    return [change(i, frame) if begin <= i < end else frame for i, frame in enumerate(frames)]
+
+
+def with_board(frame, i, share, texture):
+    """A textured board at 0.8 m that crosses the image from left to right."""
+    stamp, colour, depth = frame[0], frame[1].copy(), frame[2].copy()
+    left = int(-share * SIZE[0] + i * (1 + share) * SIZE[0] / LENGTH)
+    columns = np.arange(max(left, 0), min(left + int(share * SIZE[0]), SIZE[0]))
+    colour[:, columns] = texture[:, (columns - left) % SIZE[0]]
+    depth[:, columns] = 4000
+    return stamp, colour, depth
+
+
+def faults(base, foreign, joined, random):
+    """Name and frames of each kind; foreign, joined: frames of another sequence."""
+    noise = lambda: random.integers(0, 256, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
+    texture = cv2.resize(random.integers(0, 256, (60, 80, 3), dtype=np.uint8), SIZE)
+    end = len(base)
+    last = float(base[24][0])
+
+    def dirty(_, frame):
+        colour = frame[1].copy()
+        colour[:, :96] = texture[:, :96]
+        return frame[0], colour, frame[2]
+
+    yield "plain", base
+    yield "gap12", base[:10] + base[22:]
+    yield "foreign1", replaced(base, 20, 21, lambda i, f: (f[0],) + foreign[i][1:])
+    yield "foreign8", replaced(base, 12, 20, lambda i, f: (f[0],) + foreign[i][1:])
+    yield "black8", replaced(base, 10, 18, lambda _, f: (f[0], f[1] * 0, f[2]))
+    yield "black20", replaced(base, 10, 30, lambda _, f: (f[0], f[1] * 0, f[2]))
+    yield "white12", replaced(base, 10, 22, lambda _, f: (f[0], f[1] * 0 + 255, f[2]))
+    yield "noise12", replaced(base, 10, 22, lambda _, f: (f[0], noise(), f[2]))
+    yield "joined", base[:25] + [(f"{last + (k + 1) / 30:.6f}", c, d)
+                                 for k, (_, c, d) in enumerate(joined)]
+    yield "constant_depth", replaced(base, 0, end,
+                                     lambda _, f: (f[0], f[1], np.full_like(f[2], 7500)))
+    yield "dirty_lens30", replaced(base, 0, end, dirty)
+    yield "board40", replaced(base, 0, end, lambda i, f: with_board(f, i, 0.4, texture))
+    yield "still_strip33", [with_board((f[0], base[0][1], base[0][2]), i, 1 / 3, texture)
+                            for i, f in enumerate(base)]
+
+
+def generate(data, icl, out):
+    random = np.random.default_rng(5)
+    folders = {name: data / f"rgbd_dataset_freiburg1_{name}" for name in ("xyz", "desk", "rpy")}
+    if icl:
+        folders["icl"] = icl
+    pairs = {name: pairs_of(folder) for name, folder in folders.items()}
+    for name, folder in folders.items():
+        for start in STARTS[name]:
+            base = [load(pair) for pair in pairs[name][start:start + LENGTH]]
+            at = int(random.integers(0, 400))
+            other = pairs[OTHER[name]]
+            foreign = [load(pair) for pair in other[at:at + 21]]
+            joined = [load(pair) for pair in other[100:125]]
+            for kind, frames in faults(base, foreign, joined, random):
+                write(out / f"{name}{start}.{kind}", frames, ICL if name == "icl" else FR1,
+                      folder / "groundtruth.txt")
+
+
+def matrix(numbers):
+    x, y, z, w = np.array(numbers[3:7]) / np.linalg.norm(numbers[3:7])
+    pose = np.eye(4)
+    pose[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                    [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                    [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    pose[:3, 3] = numbers[:3]
+    return pose
+
+
+def is_planted(kind, index):
+    """Whether the frame shows another sequence, so that no pose of it can be right or wrong."""
+    return (kind == "foreign1" and index == 20) or (kind == "foreign8" and 12 <= index < 20)
+
+
+def evaluate(edvo, folder):
+    """Tracked frames, wrong ones among them, lost ones and segments of one clip."""
+    kind = folder.name.split(".")[1]
+    with tempfile.TemporaryDirectory() as run:
+        subprocess.run([edvo, "run", folder, "--depth-scale", "5000", "-o", run, "--force",
+                        "--no-report", "--quiet"], capture_output=True, check=False)
+        lines = (Path(run) / "frames.jsonl").read_text().splitlines()
+    truth = np.loadtxt(folder / "groundtruth.txt")
+    tracked = wrong = lost = 0
+    first = {}  # pose and ground truth of each segment's first frame
+    for frame in map(json.loads, lines):
+        if frame["status"] in ("lost", "skipped"):
+            lost += 1
+            continue
+        if is_planted(kind, frame["index"]) or (kind == "joined" and frame["segment"] > 0):
+            continue
+        nearest = int(np.argmin(abs(truth[:, 0] - float(frame["stamp"]))))
+        true = np.eye(4) if kind.startswith("still") else matrix(truth[nearest, 1:8])
+        pose = matrix(frame["pose"])
+        begin, true_begin = first.setdefault(frame["segment"], (pose, true))
+        if frame["status"] == "restarted":
+            continue
+        error = np.linalg.inv(np.linalg.inv(true_begin) @ true) @ (np.linalg.inv(begin) @ pose)
+        angle = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1) / 2, -1, 1)))
+        tracked += 1
+        wrong += bool(np.linalg.norm(error[:3, 3]) > 0.10 or angle > 5)
+    return tracked, wrong, lost, len(first)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", type=Path, metavar="DATA")
+    parser.add_argument("out", type=Path, metavar="OUT")
+    parser.add_argument("--edvo", default="build/bin/edvo", metavar="PROGRAM")
+    parser.add_argument("--icl", type=Path, metavar="FOLDER")
+    parser.add_argument("--kind", default="", help="only clips whose kind begins like this")
+    parser.add_argument("--verbose", action="store_true", help="print every clip")
+    options = parser.parse_args()
+    if not options.out.exists():
+        generate(options.data, options.icl, options.out)
+    kinds = {}
+    for folder in sorted(options.out.iterdir()):
+        kind = folder.name.split(".")[1]
+        if not kind.startswith(options.kind):
+            continue
+        counts = evaluate(options.edvo, folder)
+        if options.verbose:
+            print(folder.name, *counts)
+        kinds.setdefault(kind, []).append(counts)
+    print(f"{'kind':16} {'clips':>6} {'tracked':>8} {'wrong':>6} {'lost':>6}")
+    for kind, counts in sorted(kinds.items()):
+        tracked, wrong, lost, _ = np.sum(counts, axis=0)
+        print(f"{kind:16} {len(counts):6} {tracked:8} {wrong:6} {lost:6}")
+
+
+if __name__ == "__main__":
+    main()
