@@ -65,12 +65,9 @@ class LevelProblem {
   // residuals large, and then what we think of it holds.
   void set_depth_noise(const SE3& cur_from_ref) {
     const auto most = static_cast<float>(options_.depth_noise);
-    depth_noise_ = std::clamp(depth_sigma(cur_from_ref), kLeastDepthNoise * most, most);
-  }
-
-  [[nodiscard]] float depth_sigma(const SE3& cur_from_ref) const {
-    return surface_sigma(surface_, associations(cur_from_ref), cur_from_ref,
-                         scratch_.surface_errors);
+    depth_noise_ = std::clamp(
+        surface_sigma(surface_, associations(cur_from_ref), cur_from_ref, scratch_.surface_errors),
+        kLeastDepthNoise * most, most);
   }
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
@@ -251,8 +248,6 @@ AlignResult align(const Reference& reference, const Frame& frame, const Alignmen
     result.sigma = spread;
     result.correlation =
         correlation(points, result.alignment, all, kInlierSigmas * std::max(kLeastSpread, spread));
-    if (options.depth_weight > 0)
-      result.depth_sigma = static_cast<double>(problem.depth_sigma(result.alignment.cur_from_ref));
     int seen = 0, fitting = 0;
     for (const float r : all) {
       seen += std::isnan(r) ? 0 : 1;

@@ -13,8 +13,8 @@
 
 namespace edvo {
 
-// Those that visit_fields lists are options of the program; the others are constants that tests and
-// the coarse alignment vary: no sequence gains by another value (docs/experiments/options.md).
+// visit_fields lists the options of the program; the other fields are constants that tests and the
+// coarse alignment vary (docs/experiments/options.md).
 struct AlignOptions {
   int finest_level = 0;
   int coarsest_level = 3;
@@ -73,7 +73,6 @@ struct AlignResult {
   double inlier_ratio = 0;  // [0..1]
   double correlation = 0;   // of fitting points' intensities in both images [-1..1]
   double sigma = 0;         // of the residuals at the finest level [grey levels]
-  double depth_sigma = 0;   // of the depth residuals, 0 = there are none [1 / m]
   LevelList levels;         // coarse to fine
 };
 

@@ -49,7 +49,6 @@ enum class LossCause {
   kOutliers,   // too few of the points in view fit
   kResiduals,  // residuals are far larger than usual, of intensity and of depth
   kTooFast,    // the motion would be faster than any camera moves
-  kAmbiguous,  // another motion explains the image as well
 };
 
 // Where the time of a frame went, on whatever thread. [ms]
@@ -80,7 +79,6 @@ struct FrameResult {
   double overlap = 0;                      // [0..1] of the keyframe's points in view
   double correlation = 0;                  // of fitting points' intensities in both images [-1..1]
   double rms = 0;                          // photometric, inliers [grey levels]
-  bool ambiguous = false;                  // another motion explains the image as well
   LevelList levels;                        // coarse to fine
   std::optional<KeyframeId> new_keyframe;  // set if this frame became a keyframe
   std::optional<KeyframeReason> keyframe_reason;  // and why
@@ -126,7 +124,6 @@ struct EnumNames<LossCause> {
       {LossCause::kOutliers, "outliers"},
       {LossCause::kResiduals, "residuals"},
       {LossCause::kTooFast, "too_fast"},
-      {LossCause::kAmbiguous, "ambiguous"},
   });
 };
 

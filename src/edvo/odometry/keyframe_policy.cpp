@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/keyframe_policy.hpp"
 
-#include <algorithm>
-
 namespace edvo {
 namespace {
 
-constexpr double kGrown = 1.75;    // times the usual sigma: the keyframe explains little
-constexpr double kLeastUsual = 8;  // [grey levels] of a camera at rest images differ by noise alone
-constexpr double kPoorFit = 1.5;   // times the usual sigma: a blurred keyframe may be why
+constexpr double kGrown = 1.75;   // times the usual sigma: the keyframe explains little
+constexpr double kPoorFit = 1.5;  // times the usual sigma: a blurred keyframe may be why
 
 // A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
 // is, however little it has moved: the pose may drift by centimetres while the camera stands still.
@@ -21,8 +18,7 @@ bool keyframe_is_blurred(const AlignResult& result, const Frame& frame, const Tr
 // Where something moves in front of what a keyframe shows, its residuals grow with their own scale,
 // and the share of inliers tells nothing.
 bool explains_little(const AlignResult& result, const TrackingState& state) {
-  return state.moving_object_frames > 0 &&
-         result.sigma > kGrown * std::max(state.usual_sigma, kLeastUsual);
+  return state.moving_object_frames > 0 && result.sigma > kGrown * sigma_baseline(state);
 }
 
 }  // namespace

@@ -11,8 +11,6 @@ namespace {
 // a long rest, nor does correlation tell it from noise; both together do. Of the 2159 frames of
 // fr1/xyz, desk, rpy and ICL-NUIM kt3 sigma is at most 2.97 times the usual one, and the
 // correlation at least 0.79; wrong poses after a gap of 0.4 s have 4 to 9 times and 0.5 to 0.87.
-// Of a camera at rest images differ by noise alone: that is not what is usual once it moves.
-constexpr double kLeastUsual = 8;  // [grey levels]
 constexpr double kGrown = 2.5, kPoorCorrelation = 0.75;
 constexpr double kFarGrown = 3.2, kFairCorrelation = 0.9;
 
@@ -41,8 +39,7 @@ LossCause loss_cause(const AlignResult& result, const AlignOptions& options,
   if (result.inlier_ratio < options.min_inliers) return LossCause::kOutliers;
   if (!(result.correlation >= options.min_correlation)) return LossCause::kUnlike;
   if (result.status == AlignStatus::kLost) return LossCause::kUnlike;  // not finite
-  const double growth =
-      state.usual_sigma > 0 ? result.sigma / std::max(state.usual_sigma, kLeastUsual) : 0;
+  const double growth = state.usual_sigma > 0 ? result.sigma / sigma_baseline(state) : 0;
   if ((growth > kGrown && result.correlation < kPoorCorrelation) ||
       (growth > kFarGrown && result.correlation < kFairCorrelation))
     return LossCause::kResiduals;

@@ -108,8 +108,7 @@ void Odometry::State::lose(const Frame& frame, LossCause cause, FrameResult& res
   if (++lost_in_a_row > config.keyframes.max_lost_frames &&
       begin(frame, KeyframeReason::kRestart, result))
     return;
-  const LossCause fault = image_fault(frame, config.selection);
-  result.loss_cause = fault == LossCause::kNone ? cause : fault;
+  result.loss_cause = cause;
   result.segment = segment.id;
   result.keyframe = segment.keyframe;
   result.keyframe_from_camera = inverse(segment.state.alignment.cur_from_ref);

@@ -60,7 +60,10 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
   }
   result = guard.check(result, segment.reference, frame, velocity, prior, state, scratch);
   LossCause loss = loss_cause(result, config.tracking, state, frame.stamp);
-  if (loss != LossCause::kNone && image_fault(frame, config.selection) == LossCause::kNone) {
+  const LossCause fault = loss == LossCause::kNone ? loss : image_fault(frame, config.selection);
+  if (fault != LossCause::kNone) {
+    loss = fault;
+  } else if (loss != LossCause::kNone) {
     const AlignResult far = align_from_afar(segment, frame, velocity, config, scratch);
     const LossCause far_loss = loss_cause(far, config.tracking, state, frame.stamp);
     if (far_loss == LossCause::kNone) {

@@ -6,6 +6,7 @@
 #include "edvo/align/photometric.hpp"
 #include "edvo/core/stamp.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace edvo {
@@ -20,5 +21,12 @@ struct TrackingState {
   int frames_since_keyframe = 0;
   int moving_object_frames = 0;  // for which a second motion in the image is still expected
 };
+
+// What residuals are compared with: the usual sigma, but not that of a camera at rest, whose images
+// differ by noise alone. [grey levels]
+[[nodiscard]] inline double sigma_baseline(const TrackingState& state) {
+  constexpr double kLeast = 8;
+  return std::max(state.usual_sigma, kLeast);
+}
 
 }  // namespace edvo

@@ -59,8 +59,6 @@ std::string explain(LossCause cause) {
       return "residuals are far larger than usual";
     case LossCause::kTooFast:
       return "the motion would be faster than any camera moves";
-    case LossCause::kAmbiguous:
-      return "another motion explains the image as well";
   }
   return "no cause is known";
 }
