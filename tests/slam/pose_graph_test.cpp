@@ -212,7 +212,9 @@ TEST_P(WrongLinks, AreAllSwitchedOffAndTheRightOnesStay) {
     EXPECT_NE(select_links(graph).status, GraphStatus::kNotFinite);
     int kept = 0;
     for (std::size_t i = truth.size() - 1; i < graph.links.size(); ++i) {
-      if (i >= first_wrong) EXPECT_FALSE(graph.links[i].enabled) << percent << " %, link " << i;
+      if (i >= first_wrong) {
+        EXPECT_FALSE(graph.links[i].enabled) << percent << " %, link " << i;
+      }
       if (i < first_wrong && graph.links[i].enabled) ++kept;
     }
     EXPECT_GE(kept, right * 97 / 100) << percent << " %";

@@ -40,8 +40,9 @@ Patch patch_at(const Render& exact, int x, int y, float focal) {
     return patch;
   const auto point = [&](int at_x, int at_y) {
     const float z = exact.depth(at_y, at_x);
-    return Eigen::Vector3f(z * (static_cast<float>(at_x) - 0.5F * exact.depth.cols) / focal,
-                           z * (static_cast<float>(at_y) - 0.5F * exact.depth.rows) / focal, z);
+    return Eigen::Vector3f(
+        z * (static_cast<float>(at_x) - 0.5F * static_cast<float>(exact.depth.cols)) / focal,
+        z * (static_cast<float>(at_y) - 0.5F * static_cast<float>(exact.depth.rows)) / focal, z);
   };
   patch.point = point(x, y);
   const Eigen::Vector3f left = point(x - kStep, y), right = point(x + kStep, y);
