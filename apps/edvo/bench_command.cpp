@@ -7,9 +7,11 @@
 #include "edvo/core/error.hpp"
 #include "enum_option.hpp"
 #include "stop_signal.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <memory>
 
 namespace edvo::app {
@@ -19,7 +21,8 @@ struct Arguments {
   std::string manifest;
   std::string output;  // empty = as the manifest says
   std::string data;
-  int repeats = 0;  // 0 = as the manifest says
+  int repeats = 0;              // 0 = as the manifest says
+  std::int64_t max_frames = 0;  // 0 = as the manifest says
   bool no_peers = false;
   std::string format = "text";
   bool json = false;
@@ -40,13 +43,16 @@ void bench(const Arguments& arguments) {
       arguments.manifest, {.data = arguments.data, .with_peers = !arguments.no_peers});
   if (!arguments.output.empty()) manifest.output = arguments.output;
   if (arguments.repeats > 0) manifest.repeats = arguments.repeats;
-  for (const std::string& warning : manifest.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (arguments.max_frames > 0)
+    for (BenchSequence& sequence : manifest.sequences)
+      sequence.choice.max_frames = arguments.max_frames;
+  for (const std::string& warning : manifest.warnings) say("warning: {}\n", warning);
 
   const BenchResult result = run_bench(manifest, arguments.run);
   const bool is_json = arguments.json || arguments.format == "json";
-  fmt::print("{}", is_json ? bench_json(manifest, result)
-                           : bench_text(manifest, result,
-                                        find_named<TableFormat>(arguments.format).value()));
+  print("{}",
+        is_json ? bench_json(manifest, result)
+                : bench_text(manifest, result, find_named<TableFormat>(arguments.format).value()));
   if (const int status = status_of(result); status != 0) throw CLI::RuntimeError("", status);
 }
 
@@ -54,6 +60,7 @@ void bench(const Arguments& arguments) {
 
 void add_bench_command(CLI::App& program) {
   constexpr int kMostRepeats = 1000, kMostThreads = 256;
+  constexpr std::int64_t kMostFrames = 1'000'000'000;
   const auto arguments = std::make_shared<Arguments>();
   BenchOptions& run = arguments->run;
   std::vector<std::string> formats = names_of<TableFormat>();
@@ -76,6 +83,11 @@ void add_bench_command(CLI::App& program) {
   command->add_option("--repeats", arguments->repeats, "Runs of each, default as in the manifest")
       ->type_name("N")
       ->check(CLI::Range(1, kMostRepeats));
+  command
+      ->add_option("--max-frames", arguments->max_frames,
+                   "Frames of each sequence at most, default as in the manifest")
+      ->type_name("N")
+      ->check(CLI::Range(std::int64_t{1}, kMostFrames));
   command->add_flag("--no-peers", arguments->no_peers,
                     "Leave out the trajectories of other systems");
   command->add_option("--threads", run.threads, "1, or more to read images ahead of their use")

@@ -2,12 +2,14 @@
 #include "bench_runs.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/nesting.hpp"
 #include "edvo/io/file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/run_folder.hpp"
 #include "recorded_run.hpp"
 #include "sequence_input.hpp"
 #include "stop_signal.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -40,7 +42,9 @@ std::optional<Json> find_earlier(const fs::path& folder, const RunDescription& d
   const fs::path file = folder / "summary.json";
   std::error_code error;
   if (!fs::exists(file, error)) return std::nullopt;
-  const Json summary = Json::parse(read_file(file), nullptr, false);
+  const std::string text = read_file(file);
+  if (line_nested_too_deeply_in_json(text)) return std::nullopt;
+  const Json summary = Json::parse(text, nullptr, false);
   if (!summary.is_object()) return std::nullopt;
   const Json wanted = Json::parse(to_json(summarize(description, {}, {})));
   if (identity(summary) != identity(wanted)) return std::nullopt;
@@ -191,14 +195,38 @@ BenchCell run_cell(const BenchManifest& manifest, const BenchOptions& options,
   return cell;
 }
 
+// The frames that are compared, by their stamps; a peer's may be written with other digits.
+struct Span {
+  Stamp first, last;
+};
+
+Span span_of(const FolderSource& source, std::int64_t first) {
+  const std::vector<FrameEntry>& frames = source.dataset().frames;
+  const std::int64_t last = first + source.info().frames.value() - 1;
+  return {frames.at(static_cast<std::size_t>(first)).stamp,
+          frames.at(static_cast<std::size_t>(last)).stamp};
+}
+
+// The poses of a peer that has run on more frames than were asked for.
+Trajectory within(const Trajectory& trajectory, const Span& span) {
+  constexpr double kTolerance = 1e-3;  // [s]
+  Trajectory part;
+  for (const StampedPose& pose : trajectory)
+    if (seconds_between(span.first, pose.stamp) >= -kTolerance &&
+        seconds_between(pose.stamp, span.last) >= -kTolerance)
+      part.push_back(pose);
+  return part;
+}
+
 BenchCell peer_cell(const BenchPeer& peer, const std::optional<GroundTruth>& truth,
-                    const EvalOptions& options) {
+                    const EvalOptions& options, const std::optional<Span>& span) {
   BenchCell cell;
   cell.name = peer.name;
   cell.kind = CellKind::kPeer;
   cell.files = {peer.file};
   cell.state = CellState::kDone;
-  cell.evaluation = try_to_evaluate(truth, peer.trajectory, options, cell.problem);
+  cell.evaluation = try_to_evaluate(truth, span ? within(peer.trajectory, *span) : peer.trajectory,
+                                    options, cell.problem);
   return cell;
 }
 
@@ -216,16 +244,14 @@ struct Talk {
 
   void begin(const std::string& sequence, const std::string& system) {
     ++done;
-    if (!quiet) fmt::print(stderr, "[{}/{}] {}, {}\n", done, cells, sequence, system);
+    if (!quiet) say("[{}/{}] {}, {}\n", done, cells, sequence, system);
   }
   void end(const BenchCell& cell) const {
-    if (!quiet) fmt::print(stderr, "  {}\n", outcome_of(cell));
-    if (!cell.identical)
-      fmt::print(stderr, "warning: {}: repeats gave different trajectories\n", cell.name);
+    if (!quiet) say("  {}\n", outcome_of(cell));
+    if (!cell.identical) say("warning: {}: repeats gave different trajectories\n", cell.name);
   }
   static void warn(const std::string& sequence, const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings)
-      fmt::print(stderr, "warning: {}: {}\n", sequence, warning);
+    for (const std::string& warning : warnings) say("warning: {}: {}\n", sequence, warning);
   }
 };
 
@@ -256,6 +282,7 @@ BenchRow run_row(const BenchManifest& manifest, const BenchOptions& options,
   BenchRow row{.sequence = choice.name, .cells = {}};
   std::optional<GroundTruth> truth = choice.truth;
   EvalOptions evaluation;
+  std::optional<Span> span;  // unknown where the sequence cannot be opened
   CellState state = CellState::kNotRun;
   std::string problem(kInterrupted);
   try {
@@ -264,6 +291,7 @@ BenchRow run_row(const BenchManifest& manifest, const BenchOptions& options,
       const Sequence sequence = with_truth(choice, source);
       truth = sequence.truth;
       evaluation = sequence.options;
+      span = span_of(source, choice.choice.first);
       row.frames = evaluation.frames;
       run_systems(manifest, options, sequence, talk, row, interrupted);
     }
@@ -281,7 +309,7 @@ BenchRow run_row(const BenchManifest& manifest, const BenchOptions& options,
   }
   if (truth) row.ground_truth = truth->source;
   for (const BenchPeer& peer : choice.peers)
-    row.cells.push_back(peer_cell(peer, truth, evaluation));
+    row.cells.push_back(peer_cell(peer, truth, evaluation, span));
   return row;
 }
 

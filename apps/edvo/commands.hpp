@@ -16,5 +16,6 @@ void add_bench_command(CLI::App& program);
 void add_edges_command(CLI::App& program);
 void add_models_command(CLI::App& program);
 void add_config_command(CLI::App& program);
+void add_cache_command(CLI::App& program);
 
 }  // namespace edvo::app

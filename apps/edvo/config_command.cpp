@@ -2,6 +2,7 @@
 // edvo config: prints the options that the same flags would give to another verb.
 #include "commands.hpp"
 #include "config_flags.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -13,7 +14,7 @@ void add_config_command(CLI::App& program) {
   CLI::App* verb = program.add_subcommand("config", "print the resolved options as TOML");
   const auto flags = std::make_shared<ConfigFlags>();
   add_config_flags(*verb, *flags);
-  verb->callback([flags] { fmt::print("{}", to_toml(resolve_config(*flags))); });
+  verb->callback([flags] { print("{}", to_toml(resolve_config(*flags))); });
 }
 
 }  // namespace edvo::app

@@ -2,31 +2,41 @@
 #include "config_flags.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
+#include "edvo/io/file.hpp"
 #include "enum_option.hpp"
 #include "model_choice.hpp"
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <algorithm>
+#include <cctype>
 
 namespace edvo::app {
 namespace {
 
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// CANNY+CORNER is meant as it is written in lower case.
 Method method_named(const std::string& word) {
-  if (const std::optional<Method> method = find_named<Method>(word)) return *method;
+  if (const std::optional<Method> method = find_named<Method>(lower_case(word))) return *method;
   const std::vector<std::string> names = names_of<Method>();
   throw Error(ErrorCode::kUsage, fmt::format("--method {}: unknown method{} (known: {})", word,
                                              did_you_mean(word, names), fmt::join(names, ", ")));
 }
 
 std::string read_text(const std::string& file) {
-  std::error_code ignored;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file, ignored))
-    throw Error(ErrorCode::kConfig, fmt::format("{}: cannot read this configuration file", file));
-  return {std::istreambuf_iterator<char>(in), {}};
+  constexpr std::size_t kLargestConfig = 1 << 20;  // [bytes]
+  try {
+    return read_stream(file, kLargestConfig);
+  } catch (const Error& error) {
+    const std::string reason = std::string(error.what()).substr(file.size() + 2);
+    throw Error(ErrorCode::kConfig,
+                fmt::format("{}: cannot read this configuration file: {}", file, reason));
+  }
 }
 
 }  // namespace

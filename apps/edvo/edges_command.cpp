@@ -7,6 +7,7 @@
 #include "edvo/io/output_file.hpp"
 #include "edvo/io/strength_file.hpp"
 #include "edvo/network/edge_network.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -135,8 +136,8 @@ void detect_edges(const Arguments& arguments) {
     make_folder(task.result.parent_path());
     write_edges(task.result, bgr, network.get(), config, arguments);
   }
-  fmt::print("{} edge map{} written to {}\n", tasks.size(), tasks.size() == 1 ? "" : "s",
-             arguments.output.string());
+  print("{} edge map{} written to {}\n", tasks.size(), tasks.size() == 1 ? "" : "s",
+        arguments.output.string());
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "enum_option.hpp"
 #include "eval_plots.hpp"
 #include "eval_tables.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ std::vector<std::string> short_names(const std::vector<std::string>& files) {
 
 Trajectory read_with_warnings(const std::string& file) {
   TrajectoryFile read = read_trajectory(file);
-  for (const std::string& warning : read.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : read.warnings) say("warning: {}\n", warning);
   return std::move(read.trajectory);
 }
 
@@ -74,7 +75,7 @@ NamedEvaluation evaluate_file(const Trajectory& truth, const std::string& file,
     throw Error(error.code(), fmt::format("{}: {}", file, error.what()));
   }
   for (const std::string& warning : result.evaluation.warnings)
-    fmt::print(stderr, "warning: {}: {}\n", file, warning);
+    say("warning: {}: {}\n", file, warning);
   return result;
 }
 
@@ -89,7 +90,7 @@ void write_plots(const fs::path& folder, const Trajectory& truth,
   write_whole(folder / "ate.svg", to_svg(ate_plot(evaluations)));
   write_whole(folder / "rpe_translation.svg", to_svg(rpe_translation_plot(evaluations)));
   write_whole(folder / "rpe_rotation.svg", to_svg(rpe_rotation_plot(evaluations)));
-  fmt::print(stderr, "plots: {}\n", (folder / "*.svg").string());
+  say("plots: {}\n", (folder / "*.svg").string());
 }
 
 // With several estimates one line for all, with EST where a file goes.
@@ -105,10 +106,10 @@ std::string evo_line(const std::string& truth_file,
 void print_table(const std::string& truth_file, TableFormat format,
                  const std::vector<NamedEvaluation>& evaluations) {
   const EvalOptions& options = evaluations.front().evaluation.options;
-  fmt::print("{}{}{}{}", format_note(describe_protocol(options), format),
-             format_note("coverage = " + describe_coverage(options), format),
-             format_table(evaluation_table(evaluations), format),
-             format_note(evo_line(truth_file, evaluations), format));
+  print("{}{}{}{}", format_note(describe_protocol(options), format),
+        format_note("coverage = " + describe_coverage(options), format),
+        format_table(evaluation_table(evaluations), format),
+        format_note(evo_line(truth_file, evaluations), format));
 }
 
 void evaluate_all(const Arguments& arguments) {
@@ -119,7 +120,7 @@ void evaluate_all(const Arguments& arguments) {
   for (std::size_t i = 0; i < names.size(); ++i)
     evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
   if (arguments.json || arguments.format == "json") {
-    fmt::print("{}", evaluation_json(arguments.truth, truth, evaluations));
+    print_bytes(evaluation_json(arguments.truth, truth, evaluations));
   } else {
     print_table(arguments.truth, named<TableFormat>(arguments.format), evaluations);
   }

@@ -8,6 +8,7 @@
 #include "edvo/network/edge_network.hpp"
 #include "model_choice.hpp"
 #include "stop_signal.hpp"
+#include "terminal.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -77,13 +78,15 @@ void list(bool json) {
                         {"bytes", row.bytes},
                         {"licence", row.licence},
                         {"source", row.source}});
-    fmt::print("{}\n", nlohmann::json{{"folder", folder.string()}, {"models", models}}.dump(2));
+    print_bytes(nlohmann::json{{"folder", folder.string()}, {"models", models}}.dump(
+                    2, ' ', false, nlohmann::json::error_handler_t::replace) +
+                '\n');
     return;
   }
-  fmt::print("{:<16} {:<12} {:>9}  {:<8} {}\n", "model", "state", "size", "licence", "source");
+  print("{:<16} {:<12} {:>9}  {:<8} {}\n", "model", "state", "size", "licence", "source");
   for (const Row& row : rows(folder))
-    fmt::print("{:<16} {:<12} {:>9}  {:<8} {}\n", row.name, row.state, size_text(row.bytes),
-               row.licence.empty() ? "-" : row.licence, row.source.empty() ? "-" : row.source);
+    print("{:<16} {:<12} {:>9}  {:<8} {}\n", row.name, row.state, size_text(row.bytes),
+          row.licence.empty() ? "-" : row.licence, row.source.empty() ? "-" : row.source);
 }
 
 const KnownModel& known(const std::string& name) {
@@ -109,8 +112,8 @@ class PullProgress {
     const std::int64_t percent = 100 * done / bytes_;
     if (percent / step_ == shown_ || done == 0) return;
     shown_ = percent / step_;
-    fmt::print(stderr, "{}{:3} % of {}{}", is_terminal_ ? "\r" : "", percent, size_text(bytes_),
-               is_terminal_ && done < bytes_ ? "" : "\n");
+    say_bytes(fmt::format("{}{:3} % of {}{}", is_terminal_ ? "\r" : "", percent, size_text(bytes_),
+                          is_terminal_ && done < bytes_ ? "" : "\n"));
   }
 
  private:
@@ -124,24 +127,23 @@ void pull(const PullArguments& arguments) {
   const KnownModel& model = known(arguments.name);
   const fs::path folder = models_folder();
   if (!arguments.file.empty()) {
-    fmt::print("{}\n", pull_model_from(model, folder, arguments.file).string());
+    print("{}\n", pull_model_from(model, folder, arguments.file).string());
     return;
   }
   const StopSignal signal;
   PullProgress progress(model.bytes);
-  const auto description = pull_model(
-      model, folder,
-      {.address = arguments.url,
-       .max_lost_frames = arguments.timeout,
-       .on_progress =
-           [&progress](std::int64_t done) {
-             progress.show(done);
-             return !stop_requested();
-           },
-       .on_note =
-           [&](const std::string& note) { fmt::print(stderr, "{}: {}\n", model.name, note); }});
+  const auto description =
+      pull_model(model, folder,
+                 {.address = arguments.url,
+                  .max_lost_frames = arguments.timeout,
+                  .on_progress =
+                      [&progress](std::int64_t done) {
+                        progress.show(done);
+                        return !stop_requested();
+                      },
+                  .on_note = [&](const std::string& note) { say("{}: {}\n", model.name, note); }});
   if (!description) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
-  fmt::print("{}\n", description->string());
+  print("{}\n", description->string());
 }
 
 fs::path cached(const fs::path& folder, const std::string& name) {
@@ -161,15 +163,14 @@ void verify(const std::string& name) {
   const fs::path folder = models_folder();
   const std::vector<std::string> names =
       name.empty() ? cached_models(folder) : std::vector<std::string>{name};
-  if (names.empty()) fmt::print("no models in {}\n", folder.string());
+  if (names.empty()) print("no models in {}\n", folder.string());
   std::string first_failure;
   for (const std::string& each : names) {
     try {
       const Model model = read_model(cached(folder, each));
-      fmt::print("{}: {}\n", each,
-                 model.description.sha256.empty() ? "readable, no hash given" : "ok");
+      print("{}: {}\n", each, model.description.sha256.empty() ? "readable, no hash given" : "ok");
     } catch (const Error& error) {
-      fmt::print("{}: {}\n", each, error.what());
+      print("{}: {}\n", each, error.what());
       if (first_failure.empty()) first_failure = each;
     }
   }
@@ -204,8 +205,8 @@ void import(const ImportArguments& arguments) {
                     "it or with --description FILE",
                     description.string()));
   try_out(description, arguments.onnx);
-  fmt::print("{}\n",
-             import_model(description, arguments.onnx, models_folder(), arguments.force).string());
+  print("{}\n",
+        import_model(description, arguments.onnx, models_folder(), arguments.force).string());
 }
 
 void add_pull(CLI::App& models) {
@@ -256,8 +257,7 @@ void add_models_command(CLI::App& program) {
   const auto to_find = std::make_shared<std::string>();
   CLI::App* path_verb = models->add_subcommand("path", "Print where a model's description is");
   path_verb->add_option("name", *to_find, "As edvo models list shows it")->required();
-  path_verb->callback(
-      [to_find] { fmt::print("{}\n", cached(models_folder(), *to_find).string()); });
+  path_verb->callback([to_find] { print("{}\n", cached(models_folder(), *to_find).string()); });
 }
 
 }  // namespace edvo::app

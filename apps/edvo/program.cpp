@@ -3,12 +3,21 @@
 
 #include "commands.hpp"
 #include "edvo/core/error.hpp"
+#include "edvo/report/machine.hpp"
 #include "memory.hpp"
+#include "stop_signal.hpp"
+#include "terminal.hpp"
 #include "usage.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <new>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
 
 namespace edvo::app {
 namespace {
@@ -16,37 +25,84 @@ namespace {
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
 const std::vector<void (*)(CLI::App&)> kVerbs = {
-    add_run_command,   add_demo_command,  add_synth_command,  add_eval_command,
-    add_bench_command, add_edges_command, add_models_command, add_config_command,
+    add_run_command,   add_demo_command,   add_synth_command,  add_eval_command,  add_bench_command,
+    add_edges_command, add_models_command, add_config_command, add_cache_command,
 };
 
+// Not an edvo::Error: what the system does not give is neither a bug nor the input's fault.
+constexpr int kNoResourcesStatus = 10;
+
 int fail(ErrorCode code, const std::string& message) {
-  fmt::print(stderr, "edvo: {}\n", message);
+  say("edvo: {}\n", message);
   return static_cast<int>(code);
+}
+
+int fail_without_resources(const std::string& what) {
+  say("edvo: {}; close other programs or lift the limit (ulimit -a shows them)\n", what);
+  return kNoResourcesStatus;
+}
+
+int fail_in_opencv(const cv::Exception& error) {
+  if (error.code == cv::Error::StsNoMem) return fail_without_resources("not enough memory");
+  return fail(ErrorCode::kInternal, error.what());
+}
+
+// `edvo help VERB` is `edvo VERB --help`; a verb that is unknown is left to be reported as one.
+std::vector<std::string> arguments_of(const CLI::App& program, int argc, char** argv) {
+  std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  if (arguments.empty() || arguments.front() != "help") return arguments;
+  arguments.erase(arguments.begin());
+  const auto is_meant = [&](const CLI::App* verb) { return verb->check_name(arguments.front()); };
+  if (arguments.empty() || !program.get_subcommands(is_meant).empty())
+    arguments.emplace_back("--help");
+  return arguments;
+}
+
+void parse(CLI::App& program, std::vector<std::string> arguments) {
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+  program.parse(arguments);
+}
+
+int run_verb(int argc, char** argv) {
+  CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
+  program.require_subcommand(1);
+  program.set_version_flag("--version", "edvo " + this_machine().edvo);
+  for (const auto add : kVerbs) add(program);
+  const std::vector<std::string> arguments = arguments_of(program, argc, argv);
+  try {
+    parse(program, arguments);
+  } catch (const CLI::RuntimeError& error) {
+    return error.get_exit_code();  // the verb has said all there is to say
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return fail(ErrorCode::kUsage,
+                explain(program, error, arguments.empty() ? "" : arguments.front()));
+  }
+  return 0;
 }
 
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  leave_on_signals();
   keep_freed_memory();
   // What OpenCV has to say about a network arrives as an error of ours.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
-  program.require_subcommand(1);
-  for (const auto add : kVerbs) add(program);
   try {
-    program.parse(argc, argv);
-  } catch (const CLI::RuntimeError& error) {
-    return error.get_exit_code();  // the verb has said all there is to say
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return fail(ErrorCode::kUsage, explain(program, error, argc > 1 ? argv[1] : ""));
+    const int status = run_verb(argc, argv);
+    finish_printing();
+    return status;
   } catch (const Error& error) {
     return fail(error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return fail_without_resources("not enough memory");
+  } catch (const std::system_error& error) {
+    return fail_without_resources(error.what());
+  } catch (const cv::Exception& error) {
+    return fail_in_opencv(error);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInternal, error.what());
   }
-  return 0;
 }
 
 }  // namespace edvo::app

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "progress.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <sys/ioctl.h>
@@ -61,7 +62,7 @@ void Progress::skipped(const SkippedFrame& frame) {
 
 void Progress::warning(const std::string& text) {
   clear_line();
-  fmt::print(stderr, "warning: {}\n", text);
+  say("warning: {}\n", text);
 }
 
 void Progress::advance(bool is_last_word) {
@@ -71,8 +72,7 @@ void Progress::advance(bool is_last_word) {
     if (!is_last_word && now - last_shown_ < kRefresh) return;
     last_shown_ = now;
     // Wrapped lines cannot be rewritten.
-    fmt::print(stderr, "\r{}\x1b[K", line().substr(0, terminal_width() - 1));
-    std::fflush(stderr);
+    say_bytes(fmt::format("\r{}\x1b[K", line().substr(0, terminal_width() - 1)));
     on_screen_ = true;
     return;
   }
@@ -81,11 +81,11 @@ void Progress::advance(bool is_last_word) {
       frames_ ? 10 * done_ / std::max<std::int64_t>(1, *frames_) : done_ / kEvery;
   if (step == step_) return;
   step_ = step;
-  fmt::print(stderr, "{}{}\n", frames_ ? fmt::format("{:3} %  ", 10 * step) : "", line());
+  say("{}{}\n", frames_ ? fmt::format("{:3} %  ", 10 * step) : "", line());
 }
 
 void Progress::clear_line() {
-  if (on_screen_) fmt::print(stderr, "\r\x1b[K");
+  if (on_screen_) say_bytes("\r\x1b[K");
   on_screen_ = false;
 }
 

@@ -5,6 +5,7 @@
 #include "sequence_input.hpp"
 #include "size_option.hpp"
 
+#include <cstdint>
 #include <memory>
 
 namespace edvo::app {
@@ -28,6 +29,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_run_command(CLI::App& program) {
+  constexpr std::int64_t kMostFrames = 1'000'000'000;
   const auto arguments = std::make_shared<Arguments>();
   SequenceChoice& sequence = arguments->sequence;
   CLI::App* command = program.add_subcommand("run", "Track an RGB-D sequence and write a report");
@@ -47,10 +49,10 @@ void add_run_command(CLI::App& program) {
       ->type_name("UNITS");
   command->add_option("--start", sequence.first, "First frame, counted from 0")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, kMostFrames));
   command->add_option("--max-frames", sequence.max_frames, "Stop after so many frames")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(std::int64_t{1}, kMostFrames));
   add_run_flags(*command, arguments->run);
   command->callback([arguments] { run(*arguments); });
 }

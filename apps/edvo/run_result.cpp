@@ -2,6 +2,7 @@
 #include "run_result.hpp"
 
 #include "edvo/run/evaluation.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -20,36 +21,32 @@ std::string counted(std::int64_t count, const char* noun) {
 
 void print_counts(const RunSummary& summary) {
   const FrameCounts& counts = summary.counts;
-  fmt::print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n", counts.tracked,
-             counts.lost, counted(summary.lost_events, "event"), counts.skipped,
-             100 * summary.coverage);
+  print("frames     {} tracked, {} lost ({}), {} skipped; coverage {:.1f} %\n", counts.tracked,
+        counts.lost, counted(summary.lost_events, "event"), counts.skipped, 100 * summary.coverage);
   if (counts.segments > 1)
-    fmt::print("           {} segments, {} begun at a guessed pose\n", counts.segments,
-               counted(counts.restarted, "frame"));
-  if (counts.dropped > 0)
-    fmt::print("           {} dropped, as later ones had come\n", counts.dropped);
-  fmt::print("keyframes  {}\n", summary.keyframes);
-  fmt::print(
-      "path       {:.3f} m{}\n", summary.path_length,
-      summary.run.is_depth_assumed
-          ? fmt::format(", if depth has {} units per metre, which is assumed (--depth-scale)",
-                        summary.run.depth_scale)
-          : "");
-  fmt::print(
-      "time       {:.2f} ms per frame (median), {:.2f} ms (p95); {:.1f} frames/s with reading\n",
-      summary.total_milliseconds.median, summary.total_milliseconds.p95,
-      frames_per_second(summary));
+    print("           {} segments, {} begun at a guessed pose\n", counts.segments,
+          counted(counts.restarted, "frame"));
+  if (counts.dropped > 0) print("           {} dropped, as later ones had come\n", counts.dropped);
+  print("keyframes  {}\n", summary.keyframes);
+  print("path       {:.3f} m{}\n", summary.path_length,
+        summary.run.is_depth_assumed
+            ? fmt::format(", if depth has {} units per metre, which is assumed (--depth-scale)",
+                          summary.run.depth_scale)
+            : "");
+  print("time       {:.2f} ms per frame (median), {:.2f} ms (p95); {:.1f} frames/s with reading\n",
+        summary.total_milliseconds.median, summary.total_milliseconds.p95,
+        frames_per_second(summary));
   if (summary.slowest_second)
-    fmt::print("           {} in the slowest second\n", counted(*summary.slowest_second, "frame"));
-  fmt::print("memory     {:.0f} MB at most\n", summary.peak_memory);
+    print("           {} in the slowest second\n", counted(*summary.slowest_second, "frame"));
+  print("memory     {:.0f} MB at most\n", summary.peak_memory);
 }
 
 void print_error_row(const char* name, const char* unit, double final_pose, double online_pose,
                      bool known) {
   if (known) {
-    fmt::print("{:<16} {:<8} {:>10.5f} {:>10.5f}\n", name, unit, final_pose, online_pose);
+    print("{:<16} {:<8} {:>10.5f} {:>10.5f}\n", name, unit, final_pose, online_pose);
   } else {
-    fmt::print("{:<16} {:<8} {:>10} {:>10}\n", name, unit, "-", "-");
+    print("{:<16} {:<8} {:>10} {:>10}\n", name, unit, "-", "-");
   }
 }
 
@@ -58,7 +55,7 @@ void print_errors(const RunEvaluation& evaluation) {
   const TrajectoryErrors& online = evaluation.online_poses;
   const bool has_rpe = final_poses.rpe_pairs > 0 && online.rpe_pairs > 0;
   const bool has_drift = final_poses.drift && online.drift;
-  fmt::print("\n{:<16} {:<8} {:>10} {:>10}\n", "error", "unit", "final", "live");
+  print("\n{:<16} {:<8} {:>10} {:>10}\n", "error", "unit", "final", "live");
   print_error_row("ATE", "m", final_poses.ate, online.ate, true);
   print_error_row("RPE translation", "m/s", final_poses.rpe_translation, online.rpe_translation,
                   has_rpe);
@@ -66,19 +63,17 @@ void print_errors(const RunEvaluation& evaluation) {
   print_error_row("drift at the end", "%", final_poses.drift.value_or(0), online.drift.value_or(0),
                   has_drift);
   if (std::abs(evaluation.scale - 1) > kScaleTolerance)
-    fmt::print("{:<16} {:<8} {:>10.4f}   (Sim(3): what the motion must be multiplied by)\n",
-               "scale", "", evaluation.scale);
-  fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "pairs", "ATE", final_poses.ate_pairs,
-             online.ate_pairs);
-  fmt::print("{:<16} {:<8} {:>10} {:>10}\n", "", "RPE", final_poses.rpe_pairs, online.rpe_pairs);
-  fmt::print("{}\nagainst {}\n", evaluation.protocol, evaluation.ground_truth);
+    print("{:<16} {:<8} {:>10.4f}   (Sim(3): what the motion must be multiplied by)\n", "scale", "",
+          evaluation.scale);
+  print("{:<16} {:<8} {:>10} {:>10}\n", "pairs", "ATE", final_poses.ate_pairs, online.ate_pairs);
+  print("{:<16} {:<8} {:>10} {:>10}\n", "", "RPE", final_poses.rpe_pairs, online.rpe_pairs);
+  print("{}\nagainst {}\n", evaluation.protocol, evaluation.ground_truth);
 }
 
 void print_profile(const RunSummary& summary) {
-  fmt::print("\n{:<12} {:>9} {:>9} {:>9} {:>9}\n", "stage [ms]", "mean", "median", "p95", "p99");
+  print("\n{:<12} {:>9} {:>9} {:>9} {:>9}\n", "stage [ms]", "mean", "median", "p95", "p99");
   const auto print_row = [](std::string_view name, const TimeStatistics& ms) {
-    fmt::print("{:<12} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f}\n", name, ms.mean, ms.median, ms.p95,
-               ms.p99);
+    print("{:<12} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f}\n", name, ms.mean, ms.median, ms.p95, ms.p99);
   };
   for (std::size_t i = 0; i < kStages.size(); ++i)
     print_row(kStages[i].name, summary.stage_milliseconds[i]);
@@ -89,13 +84,13 @@ void print_profile(const RunSummary& summary) {
 
 void show_choices(const RunDescription& run, const RunFlags& flags) {
   if (!flags.quiet) {
-    fmt::print(stderr, "sequence  {}, {}\n", run.source,
-               run.frames ? counted(*run.frames, "frame") : "length not known");
-    fmt::print(stderr, "camera    {}\n", run.camera_origin);
-    fmt::print(stderr, "method    {}\n", run.method);
-    for (const std::string& note : run.notes) fmt::print(stderr, "note: {}\n", note);
+    say("sequence  {}, {}\n", run.source,
+        run.frames ? counted(*run.frames, "frame") : "length not known");
+    say("camera    {}\n", run.camera_origin);
+    say("method    {}\n", run.method);
+    for (const std::string& note : run.notes) say("note: {}\n", note);
   }
-  for (const std::string& warning : run.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : run.warnings) say("warning: {}\n", warning);
 }
 
 void show_result(const RecordedRun& result, const RunFlags& flags) {
@@ -103,14 +98,14 @@ void show_result(const RecordedRun& result, const RunFlags& flags) {
   if (flags.json) {
     Json json = Json::parse(to_json(summary));
     json["folder"] = result.folder.string();
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+    print_bytes(json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
   } else {
-    fmt::print("{}, {}{}\n", summary.run.sequence, summary.run.method,
-               summary.interrupted ? ", interrupted" : "");
+    print("{}, {}{}\n", summary.run.sequence, summary.run.method,
+          summary.interrupted ? ", interrupted" : "");
     print_counts(summary);
     if (summary.evaluation) print_errors(*summary.evaluation);
     if (flags.profile) print_profile(summary);
-    fmt::print("\nwritten to {}\n", result.folder.string());
+    print("\nwritten to {}\n", result.folder.string());
   }
 }
 

@@ -4,6 +4,7 @@
 #include "edvo/io/camera_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "size_option.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -89,7 +90,7 @@ synth::SyntheticSequence make_sequence(const SequenceFlags& flags) {
   const DistortedCamera camera = camera_from(flags);
   if (flags.trajectory.empty()) return synth::make_sequence(flags.options, camera);
   const TrajectoryFile file = read_trajectory(flags.trajectory);
-  for (const std::string& warning : file.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : file.warnings) say("warning: {}\n", warning);
   return synth::make_sequence(flags.options, camera, file.trajectory);
 }
 

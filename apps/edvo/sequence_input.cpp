@@ -3,6 +3,7 @@
 
 #include "cache_folder.hpp"
 #include "stop_signal.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -16,7 +17,7 @@ FolderSource open_sequence(const SequenceChoice& choice, bool quiet) {
   const bool is_shown = !quiet && isatty(STDERR_FILENO) != 0;
   const auto on_unpack = [&](double share) {
     if (stop_requested()) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
-    if (is_shown) fmt::print(stderr, "\runpacking {:.0f} %", 100 * share);
+    if (is_shown) say_bytes(fmt::format("\runpacking {:.0f} %", 100 * share));
     shown = is_shown;
   };
   FolderSource source(choice.path, {.camera_file = choice.camera_file,
@@ -26,7 +27,7 @@ FolderSource open_sequence(const SequenceChoice& choice, bool quiet) {
                                     .max_frames = choice.max_frames,
                                     .cache = cache_folder(),
                                     .on_unpack = on_unpack});
-  if (shown) fmt::print(stderr, "\r\x1b[K");
+  if (shown) say_bytes("\r\x1b[K");
   return source;
 }
 

@@ -10,6 +10,7 @@
 #include "edvo/synth/parallel.hpp"
 #include "sequence_flags.hpp"
 #include "stop_signal.hpp"
+#include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -84,7 +85,7 @@ void write_frames(const synth::SyntheticSequence& sequence, int threads, const f
   const StopSignal signal;
   for (int first = 0; first < count; first += batch) {
     if (stop_requested()) {
-      fmt::print(stderr, "edvo: interrupted, {} of {} frames are written\n", first, count);
+      say("edvo: interrupted, {} of {} frames are written\n", first, count);
       throw CLI::RuntimeError("interrupted", kInterruptedStatus);
     }
     std::vector<std::future<std::string>> stamps;
@@ -99,8 +100,7 @@ void write_frames(const synth::SyntheticSequence& sequence, int threads, const f
     }
     const int tenths_before = 10 * first / count;
     const int tenths = std::min(10 * (first + batch) / count, 10);
-    if (tenths > tenths_before)
-      fmt::print(stderr, "synth: {} % of {} frames\n", 10 * tenths, count);
+    if (tenths > tenths_before) say("synth: {} % of {} frames\n", 10 * tenths, count);
   }
 }
 
@@ -121,23 +121,24 @@ void write_sequence(const Arguments& arguments) {
                                            {"frames", frames},
                                            {"seconds", seconds},
                                            {"path_length_m", path_length(truth)}};
-    fmt::print("{}\n", result.dump());
+    print_bytes(result.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
   } else {
-    fmt::print("{}: {} frames, {:.2f} s, path of {:.2f} m\n", folder.string(), frames, seconds,
-               path_length(truth));
+    print("{}: {} frames, {:.2f} s, path of {:.2f} m\n", folder.string(), frames, seconds,
+          path_length(truth));
   }
 }
 
 }  // namespace
 
 void add_synth_command(CLI::App& program) {
+  constexpr int kMostThreads = 256;
   CLI::App* verb = program.add_subcommand(
       "synth", "Render a room with a Kinect-like camera: a TUM-layout folder with ground truth");
   const auto arguments = std::make_shared<Arguments>();
   verb->add_option("OUT", arguments->out, "folder to write")->required();
   add_sequence_flags(*verb, arguments->sequence);
   verb->add_option("--threads", arguments->threads, "0 = all of the machine's")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, kMostThreads))
       ->capture_default_str();
   verb->add_flag("--force", arguments->force, "replace the sequence in a folder that is not empty");
   verb->add_flag("--json", arguments->json, "print one JSON object");

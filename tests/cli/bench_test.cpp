@@ -101,6 +101,36 @@ TEST_F(BenchCommand, PrintsThePapersTablesWithItsFiguresAndOurs) {
                                    HasSubstr("2 runs each, with the same trajectories")));
 }
 
+TEST_F(BenchCommand, ComparesPeersOnTheFramesThatWereUsed) {
+  render_sequence();
+  write(kWhole);
+  const auto pairs_of_peers = [&](const std::string& arguments) {
+    const json result = bench_json("--repeats 1 " + arguments);
+    std::vector<int> pairs;
+    for (const json& system : result["sequences"][0]["systems"])
+      if (system["kind"] == "peer") pairs.push_back(system["errors"]["pairs"]);
+    return pairs;
+  };
+  const std::vector<int> all = pairs_of_peers(""), few = pairs_of_peers("--max-frames 6");
+  ASSERT_EQ(all.size(), 2u);
+  ASSERT_EQ(few.size(), 2u);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_GT(few[i], 0);
+    EXPECT_LT(few[i], all[i] / 2);
+  }
+}
+
+TEST_F(BenchCommand, RunsAnewWhereTheEarlierSummaryIsNestedWithoutEnd) {
+  render_sequence();
+  write(kWhole);
+  fs::create_directories(runs / "fr1_xyz/canny/1");
+  std::ofstream(runs / "fr1_xyz/canny/1/summary.json") << std::string(300'000, '[');
+  std::ofstream(runs / "fr1_xyz/canny/1/frames.jsonl") << "";
+  const json result = bench_json("--repeats 1 --max-frames 3");
+  ASSERT_TRUE(result.is_object());
+  EXPECT_EQ(result["sequences"][0]["systems"][1]["state"], "done");
+}
+
 TEST_F(BenchCommand, LeavesARunFolderPerRepeatAndDoesNotRunThemAgain) {
   render_sequence();
   write(kWhole);

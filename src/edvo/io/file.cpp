@@ -3,10 +3,14 @@
 
 #include "edvo/core/error.hpp"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <poll.h>
+#include <unistd.h>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <vector>
 
 namespace edvo {
 namespace {
@@ -14,6 +18,17 @@ namespace {
 [[noreturn]] void fail_input(const std::filesystem::path& path, const std::string& reason) {
   throw Error(ErrorCode::kInput, fmt::format("{}: {}", path.string(), reason));
 }
+
+struct Descriptor {
+  explicit Descriptor(int opened) : number(opened) {}
+  ~Descriptor() {
+    if (number >= 0) ::close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number;
+};
 
 }  // namespace
 
@@ -36,6 +51,27 @@ std::string read_file(const std::filesystem::path& path, std::size_t largest) {
   if (file.bad() || file.gcount() != static_cast<std::streamsize>(size))
     fail_input(path, fmt::format("read {} of {} bytes", file.gcount(), size));
   return bytes;
+}
+
+std::string read_stream(const std::filesystem::path& path, std::size_t largest,
+                        std::chrono::milliseconds patience) {
+  // Opening a pipe that nobody writes to would wait for ever.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (file.number < 0) fail_input(path, std::strerror(errno));
+  std::string bytes;
+  std::vector<char> block(1 << 16);
+  while (true) {
+    pollfd ready{.fd = file.number, .events = POLLIN, .revents = 0};
+    const int count = ::poll(&ready, 1, static_cast<int>(patience.count()));
+    if (count == 0) fail_input(path, "nothing arrives from this pipe");
+    const ssize_t size = count < 0 ? -1 : ::read(file.number, block.data(), block.size());
+    if (size < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (size < 0) fail_input(path, std::strerror(errno));
+    if (size == 0) return bytes;
+    bytes.append(block.data(), static_cast<std::size_t>(size));
+    if (bytes.size() > largest)
+      fail_input(path, fmt::format("more than {} bytes is too large", largest));
+  }
 }
 
 void write_file(const std::filesystem::path& path, std::string_view bytes) {
