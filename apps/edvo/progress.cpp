@@ -51,7 +51,7 @@ void Progress::frame(const FrameResult& result, const Frame& /*image*/) {
 }
 
 void Progress::skipped(const SkippedFrame& frame) {
-  constexpr std::int64_t kMostWarnings = 10;  // a folder half empty must not flood the terminal
+  constexpr std::int64_t kMostWarnings = 3;  // a folder half empty must not flood the terminal
   ++skipped_;
   if (skipped_ <= kMostWarnings)
     warning(fmt::format("frame {} skipped: {}", frame.index, frame.reason));

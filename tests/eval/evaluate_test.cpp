@@ -15,6 +15,7 @@ using test::fails_with;
 using test::straight_path;
 using test::stretched;
 using test::winding_path;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -34,6 +35,19 @@ TEST(Evaluate, FindsNoErrorInTheTruth) {
   EXPECT_LT(evaluation.drift.distance, 1e-12);
   EXPECT_DOUBLE_EQ(evaluation.seconds, 5.9);
   EXPECT_THAT(evaluation.warnings, IsEmpty());
+}
+
+TEST(Evaluate, SaysWhichFileHasQwFirst) {
+  const Trajectory path = winding_path(60);
+  Trajectory swapped = path;
+  for (StampedPose& pose : swapped) {
+    const Eigen::Quaterniond q = pose.world_from_camera.rotation;
+    pose.world_from_camera.rotation = {q.z(), q.w(), q.x(), q.y()};  // qw qx qy qz read as qx ...
+  }
+  EXPECT_THAT(evaluate(path, swapped).warnings,
+              ElementsAre(HasSubstr("the estimate's quaternions have qw first")));
+  EXPECT_THAT(evaluate(swapped, path).warnings,
+              ElementsAre(HasSubstr("the ground truth's quaternions have qw first")));
 }
 
 TEST(Evaluate, DoesNotSeeWhereTheWorldIsUnlessToldNotToAlign) {

@@ -56,6 +56,34 @@ TEST(TrajectoryFile, ReadsWhatOtherProgramsWrite) {
   EXPECT_THAT(file.warnings, IsEmpty());
 }
 
+TEST(TrajectoryFile, ReadsTheCsvOfEuroc) {
+  const TrajectoryFile file = parse(
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
+      "q_RS_z [],v_RS_R_x [m s^-1]\n"
+      "1403636580838555648,1,-2,3.5,0.8,0,0,0.6,0.1\r\n"
+      "1403636580843555584,1,-2,3.6,0.8,0,0,0.6,0.1\r\n");
+  ASSERT_EQ(file.trajectory.size(), 2u);
+  EXPECT_EQ(to_string(file.trajectory[0].stamp), "1403636580.838555648");
+  const SE3 expected{.rotation = Eigen::Quaterniond(0.8, 0, 0, 0.6), .translation = {1, -2, 3.5}};
+  EXPECT_THAT(file.trajectory[0].world_from_camera, NearPose(expected, 1e-12));
+  EXPECT_THAT(file.warnings, ElementsAre(HasSubstr("EuRoC")));
+}
+
+TEST(TrajectoryFile, TakesTheOrderOfAQuaternionFromTheComment) {
+  const SE3 expected{.rotation = Eigen::Quaterniond(0.8, 0, 0, 0.6)};
+  const TrajectoryFile w_first = parse("# t x y z qw qx qy qz\n1 0 0 0 0.8 0 0 0.6\n");
+  EXPECT_THAT(w_first.trajectory.at(0).world_from_camera, NearPose(expected, 1e-12));
+  EXPECT_THAT(w_first.warnings, ElementsAre(HasSubstr("qw first")));
+  const TrajectoryFile w_last = parse("# t x y z qx qy qz qw\n1 0 0 0 0 0 0.6 0.8\n");
+  EXPECT_THAT(w_last.trajectory.at(0).world_from_camera, NearPose(expected, 1e-12));
+  EXPECT_THAT(w_last.warnings, IsEmpty());
+}
+
+TEST(TrajectoryFile, NamesTheMatricesOfKitti) {
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"got 12", "KITTI", "stamps of times.txt"},
+                         [] { (void)parse("1 0 0 0 0 1 0 0 0 0 1 0\n"); }));
+}
+
 TEST(TrajectoryFile, NamesTheLineThatIsNoPose) {
   const auto parsing = [](std::string_view text) { return [text] { (void)parse(text); }; };
   const std::string good = "# header\n1 0 0 0 0 0 0 1\n";

@@ -4,6 +4,7 @@
 #include "edvo/core/clean_text.hpp"
 #include "report/sample_run.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -68,6 +69,22 @@ TEST(Report, ShowsTheHeightOfACameraWhoseYPointsUp) {
   const std::string upward = page_of(sample_run(20), description);
   EXPECT_THAT(upward, HasSubstr(">y, up [m]<"));
   EXPECT_THAT(upward, HasSubstr("data-right=\"2\" data-up=\"1\" data-sign=\"1\""));
+}
+
+TEST(Report, NamesTheWorstFrames) {
+  test::SampleRun run = sample_run(300);
+  run.outcome.evaluation->final_poses.ate_curve.values[123] = 4.5;
+  run.log.frames[77].inlier_ratio = 0.125F;
+  run.log.frames[55].milliseconds.total = 987;
+  const std::string page = page_of(run, sample_description());
+  const auto row = [](const std::string& what, const std::string& value, int frame) {
+    return fmt::format(
+        "<th scope=\"row\">{}</th><td class=\"number\">{}</td><td class=\"number\">{}</td>", what,
+        value, frame);
+  };
+  EXPECT_TRUE(page.find(row("largest error of the position", "4.5 m", 123)) != page.npos);
+  EXPECT_TRUE(page.find(row("fewest inliers", "12.5 %", 77)) != page.npos);
+  EXPECT_TRUE(page.find(row("slowest", "987.00 ms", 55)) != page.npos);
 }
 
 TEST(Report, ShowsWarningsSkippedFramesAndInterruptions) {

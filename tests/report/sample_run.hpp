@@ -88,6 +88,7 @@ inline SampleRun sample_run(std::int64_t frames) {
       curve->values.push_back(0.01 + 0.005 * std::sin(0.05 * t) + 0.002 * std::sin(2.1 * t));
     }
   }
+  if (frames > 0) run.outcome.first_stamp = run.log.frames.front().stamp;
   run.outcome.online = run.outcome.trajectory;
   run.outcome.wall_seconds = static_cast<double>(frames) / 100.0;
   RunEvaluation evaluation{.ground_truth = "groundtruth.txt",

@@ -53,6 +53,13 @@ TEST(RunEvaluation, TellsTheScaleOfAWrongDepthScale) {
                               HasSubstr("--depth-scale 1000")));
 }
 
+TEST(RunEvaluation, DoesNotAdviseTheScaleThatWasUsed) {
+  const RunEvaluation evaluation = evaluated(half_circle(1, 0.1), half_circle(0.96, 0.1));
+  const auto warning = warn_of_scale(evaluation, source_with(5000));
+  ASSERT_TRUE(warning);
+  EXPECT_THAT(*warning, HasSubstr("--depth-scale 4800"));
+}
+
 TEST(RunEvaluation, ARightScaleIsNotWarnedOf) {
   const RunEvaluation evaluation = evaluated(half_circle(1, 0.1), half_circle(0.99, 0.1));
   EXPECT_FALSE(warn_of_scale(evaluation, source_with(5000)));

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <string_view>
 
 namespace edvo {
 namespace {
@@ -71,6 +72,47 @@ Drift final_drift(const Trajectory& truth, const Trajectory& estimate,
   return drift;
 }
 
+// As it would be if the file had qw first and was read with qw last.
+Eigen::Quaterniond reread(const Eigen::Quaterniond& q) {
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+
+using Rotation = Eigen::Quaterniond (*)(const Eigen::Quaterniond&);
+
+// Root mean square of how wrong the rotations since the first match are. [rad]
+double rotation_error(const Trajectory& truth, const Trajectory& estimate,
+                      const std::vector<Match>& matches, Rotation truth_as, Rotation estimate_as) {
+  const auto turned = [](const Trajectory& trajectory, std::size_t first, std::size_t now,
+                         Rotation as) {
+    return Eigen::Quaterniond(as(trajectory[first].world_from_camera.rotation).conjugate() *
+                              as(trajectory[now].world_from_camera.rotation));
+  };
+  double sum = 0;
+  for (const Match& match : matches) {
+    const double angle = turned(truth, matches.front().truth, match.truth, truth_as)
+                             .angularDistance(turned(estimate, matches.front().estimate,
+                                                     match.estimate, estimate_as));
+    sum += angle * angle;
+  }
+  return std::sqrt(sum / static_cast<double>(matches.size()));
+}
+
+// Which of both was written with qw first, though it was read with qw last; empty if neither.
+std::string_view with_w_first(const Trajectory& truth, const Trajectory& estimate,
+                              const std::vector<Match>& matches) {
+  constexpr double kSuspicious = 0.03;  // [rad]
+  constexpr double kMuchBetter = 0.1;   // of the error as read
+  const Rotation as_read = [](const Eigen::Quaterniond& q) { return q; };
+  const double error = rotation_error(truth, estimate, matches, as_read, as_read);
+  if (error < kSuspicious) return {};
+  const auto is_better = [&](Rotation truth_as, Rotation estimate_as) {
+    return rotation_error(truth, estimate, matches, truth_as, estimate_as) < kMuchBetter * error;
+  };
+  if (is_better(as_read, reread)) return "the estimate's";
+  if (is_better(reread, as_read)) return "the ground truth's";
+  return {};
+}
+
 std::vector<std::string> warnings_about(const Evaluation& evaluation) {
   std::vector<std::string> warnings;
   const std::string delta = to_string(evaluation.options.rpe.delta);
@@ -108,6 +150,10 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
   evaluation.rpe = relative_pose_error(truth, sized, options.association, options.rpe);
   evaluation.drift = final_drift(truth, sized, matches);
   evaluation.warnings = warnings_about(evaluation);
+  const std::string_view swapped = with_w_first(truth, estimate, matches);
+  if (!swapped.empty())
+    evaluation.warnings.push_back(fmt::format(
+        "the rotations fit if {} quaternions have qw first; expected qx qy qz qw", swapped));
   return evaluation;
 }
 

@@ -11,6 +11,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 
 namespace edvo {
@@ -86,43 +87,116 @@ double number(std::string_view text, const Place& place) {
   return value;
 }
 
+// How a line is to be read.
+struct Layout {
+  bool in_nanoseconds = false;  // the stamps, as integers; more fields may follow the pose
+  bool w_first = false;         // qw qx qy qz
+};
+
+// Whether a comment that names the columns has qw before qx, also as q_RS_w [].
+bool names_w_first(std::string_view comment) {
+  const auto place_of = [&](std::initializer_list<std::string_view> names) {
+    std::size_t place = std::string_view::npos;
+    for (const std::string_view name : names) place = std::min(place, comment.find(name));
+    return place;
+  };
+  const std::size_t x = place_of({"qx", "q_x", "q_RS_x"});
+  return x != std::string_view::npos && place_of({"qw", "q_w", "q_RS_w"}) < x;
+}
+
+// EuRoC's csv has nanoseconds, commas and qw first, with velocities and biases after the pose.
+bool is_euroc(std::string_view line, const Fields& fields) {
+  constexpr std::size_t kFewestDigits = 16;  // seconds have at most 10
+  const std::string_view stamp = fields.text[0];
+  return fields.count >= kFields && line.find(',') != std::string_view::npos &&
+         stamp.size() >= kFewestDigits &&
+         stamp.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// By the comments before the first pose, and that pose.
+Layout layout_of(std::string_view text) {
+  Layout layout;
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = text.substr(0, end);
+    const Fields fields = split(line);
+    if (fields.count > 0) {
+      if (fields.text[0].front() != '#') {
+        layout.in_nanoseconds = is_euroc(line, fields);
+        layout.w_first = layout.w_first || layout.in_nanoseconds;
+        return layout;
+      }
+      layout.w_first = layout.w_first || names_w_first(line);
+    }
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return layout;
+}
+
+std::optional<Stamp> parse_nanoseconds(std::string_view text) {
+  constexpr int kDecimals = 9;
+  std::int64_t value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return Stamp{value, kDecimals};
+}
+
+[[noreturn]] void fail_fields(const Fields& fields, const Place& place) {
+  constexpr std::size_t kMatrix = 12;
+  const std::string_view hint =
+      fields.count == kMatrix
+          ? "; 12 are a matrix as KITTI writes it, which has no stamp: write its poses with the "
+            "stamps of times.txt"
+          : "";
+  fail(place,
+       fmt::format("expected {} fields ({}), got {}{}", kFields, kFieldNames, fields.count, hint));
+}
+
+Stamp parse_stamp_field(std::string_view text, const Layout& layout, const Place& place) {
+  // Up to the year 2096, so that the difference of any two fits into 64 bits of nanoseconds.
+  constexpr double kLatest = 4e9;  // [s]
+  const std::optional<Stamp> stamp =
+      layout.in_nanoseconds ? parse_nanoseconds(text) : parse_stamp(text);
+  if (!stamp || std::abs(to_seconds(*stamp)) > kLatest)
+    fail(place,
+         fmt::format("expected a stamp in {} up to {:g} s, got {}",
+                     layout.in_nanoseconds ? "nanoseconds" : "seconds", kLatest, quoted(text)));
+  return *stamp;
+}
+
 struct Line {
   StampedPose pose;
   std::size_t number = 0;
   double quaternion_length = 1;
 };
 
-Line parse_pose(const Fields& fields, const Place& place) {
-  if (fields.count != kFields)
-    fail(place, fmt::format("expected {} fields ({}), got {}", kFields, kFieldNames, fields.count));
-  const std::optional<Stamp> stamp = parse_stamp(fields.text[0]);
-  // Up to the year 2096, so that the difference of any two fits into 64 bits of nanoseconds.
-  constexpr double kLatest = 4e9;  // [s]
-  if (!stamp || std::abs(to_seconds(*stamp)) > kLatest)
-    fail(place, fmt::format("expected a stamp in seconds up to {:g}, got {}", kLatest,
-                            quoted(fields.text[0])));
+Line parse_pose(const Fields& fields, const Layout& layout, const Place& place) {
+  if (layout.in_nanoseconds ? fields.count < kFields : fields.count != kFields)
+    fail_fields(fields, place);
+  const Stamp stamp = parse_stamp_field(fields.text[0], layout, place);
   std::array<double, kFields> v{};
   for (std::size_t i = 1; i < kFields; ++i) v[i] = number(fields.text[i], place);
-  const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
+  const Eigen::Quaterniond rotation = layout.w_first ? Eigen::Quaterniond(v[4], v[5], v[6], v[7])
+                                                     : Eigen::Quaterniond(v[7], v[4], v[5], v[6]);
   const double length = rotation.norm();
   if (!(length > kShortestQuaternion) || !std::isfinite(length))
     fail(place,
          fmt::format("a quaternion of length {:.3g} is no rotation; leave lost poses out", length));
-  return {.pose = {.stamp = *stamp,
+  return {.pose = {.stamp = stamp,
                    .world_from_camera = {.rotation = rotation.normalized(),
                                          .translation = {v[1], v[2], v[3]}}},
           .number = place.line,
           .quaternion_length = length};
 }
 
-std::vector<Line> parse_lines(std::string_view text, const std::string& source) {
+std::vector<Line> parse_lines(std::string_view text, const Layout& layout,
+                              const std::string& source) {
   std::vector<Line> lines;
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const Fields fields = split(text.substr(0, end));
     if (fields.count > 0 && fields.text[0].front() != '#')
-      lines.push_back(parse_pose(fields, {source, number}));
+      lines.push_back(parse_pose(fields, layout, {source, number}));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
   return lines;
@@ -139,7 +213,9 @@ void warn(std::vector<std::string>& warnings, const std::string& source,
 }  // namespace
 
 TrajectoryFile parse_trajectory(std::string_view text, const std::string& source) {
-  std::vector<Line> lines = parse_lines(text, source);
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const Layout layout = layout_of(text);
+  std::vector<Line> lines = parse_lines(text, layout, source);
   if (lines.empty())
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: no pose in it; expected lines of \"{}\"", source, kFieldNames));
@@ -159,6 +235,10 @@ TrajectoryFile parse_trajectory(std::string_view text, const std::string& source
       file.trajectory.push_back(lines[i].pose);
     }
   }
+  if (layout.in_nanoseconds)
+    file.warnings.push_back(fmt::format("{}: read as EuRoC's csv: nanoseconds, qw first", source));
+  else if (layout.w_first)
+    file.warnings.push_back(fmt::format("{}: read with qw first, as its comment says", source));
   warn(file.warnings, source, unordered, "stamp before the previous one; poses were sorted");
   warn(file.warnings, source, repeated, "stamp seen before; its last pose was kept");
   warn(file.warnings, source, not_unit, "quaternion not of unit length; it was normalized");

@@ -18,7 +18,9 @@ struct TrajectoryFile {
 
 // Fields are separated by white space or commas; "#" starts a comment line; CRLF is fine. Poses out
 // of order are sorted; of poses with the same stamp the last one stays, as in the TUM scripts.
-// Throws Error(kInput) "source:line: ..." at a line that is no pose, and if there is none at all.
+// Also read, with a warning that says so: EuRoC's csv (integer nanoseconds, commas, qw qx qy qz,
+// more fields), and files whose comment names qw before qx. Throws Error(kInput) "source:line: ..."
+// at a line that is no pose, and if there is none at all.
 [[nodiscard]] TrajectoryFile parse_trajectory(std::string_view text, const std::string& source);
 
 [[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);

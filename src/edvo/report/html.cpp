@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <map>
 
 namespace edvo {
@@ -61,6 +64,15 @@ std::vector<Tile> error_tiles(const RunEvaluation& evaluation) {
   return tiles;
 }
 
+Tile drift_tile(double drift) {  // [%]
+  constexpr double kBad = 5;
+  return {.name = "Drift",
+          .value = fmt::format("{:.2f}", drift),
+          .unit = "%",
+          .more = "of the path, at its end",
+          .mood = drift > kBad ? "bad" : ""};
+}
+
 std::string tiles_section(const RunSummary& summary, const RunLog& log) {
   std::vector<Tile> tiles;
   const FrameCounts& counts = summary.counts;
@@ -99,14 +111,12 @@ std::string tiles_section(const RunSummary& summary, const RunLog& log) {
        .mood = summary.lost_events > 0 ? "bad" : ""});
   const double seconds =
       log.frames.empty() ? 0 : seconds_between(log.frames.front().stamp, log.frames.back().stamp);
-  std::string length_and_drift = fmt::format("in {:.1f} s", seconds);
-  if (summary.evaluation && summary.evaluation->final_poses.drift)
-    length_and_drift +=
-        fmt::format("<br>{:.2f} % drift at its end", *summary.evaluation->final_poses.drift);
   tiles.push_back({.name = "Path",
                    .value = fmt::format("{:.2f}", summary.path_length),
                    .unit = "m",
-                   .more = length_and_drift});
+                   .more = fmt::format("in {:.1f} s", seconds)});
+  if (summary.evaluation && summary.evaluation->final_poses.drift)
+    tiles.push_back(drift_tile(*summary.evaluation->final_poses.drift));
   std::string html = "<section class=\"tiles\">\n";
   for (const Tile& tile : tiles) html += to_html(tile);
   return html + "</section>\n";
@@ -182,6 +192,62 @@ std::string keyframes_card(const RunLog& log) {
       "stamp [s]</th><th>reason</th><th class=\"number\">frames since the last</th></tr></thead>"
       "<tbody>\n{}</tbody></table></div></section>\n",
       reasons, rows);
+}
+
+const FrameRecord& frame_at(const RunLog& log, const Stamp& start, double seconds) {
+  const auto distance = [&](const FrameRecord& frame) {
+    return std::abs(seconds_between(start, frame.stamp) - seconds);
+  };
+  return *std::ranges::min_element(log.frames, {}, distance);
+}
+
+std::string worst_row(const std::string& what, const FrameRecord& frame, const std::string& value) {
+  return fmt::format(
+      "<tr><th scope=\"row\">{}</th><td class=\"number\">{}</td><td class=\"number\">{}</td>"
+      "<td class=\"number\">{}</td></tr>\n",
+      what, value, frame.index, to_string(frame.stamp));
+}
+
+// Where a curve is highest. Its gaps are NaN.
+std::string highest_row(const std::string& what, const char* unit, const Curve& curve,
+                        const RunLog& log, const Stamp& start) {
+  const auto height = [](double value) { return std::isnan(value) ? -1.0 : value; };
+  const auto highest = std::ranges::max_element(curve.values, {}, height);
+  if (highest == curve.values.end() || std::isnan(*highest)) return "";
+  const double seconds = curve.seconds[static_cast<std::size_t>(highest - curve.values.begin())];
+  return worst_row(what, frame_at(log, start, seconds), fmt::format("{:.4g} {}", *highest, unit));
+}
+
+// The frames that one looks at first, each by the measure that it is the worst of.
+std::string worst_card(const RunSummary& summary, const RunLog& log, const Stamp& start) {
+  std::vector<FrameRecord> tracked;
+  std::ranges::copy_if(log.frames, std::back_inserter(tracked), [](const FrameRecord& frame) {
+    return frame.status == FrameStatus::kTracked;
+  });
+  if (tracked.empty()) return "";
+  std::string rows;
+  if (summary.evaluation) {
+    const TrajectoryErrors& errors = summary.evaluation->final_poses;
+    rows += highest_row("largest error of the position", "m", errors.ate_curve, log, start);
+    rows += highest_row("largest RPE, middle of its second", "m/s", errors.rpe_translation_curve,
+                        log, start);
+    rows +=
+        highest_row("largest RPE of the rotation", "°/s", errors.rpe_rotation_curve, log, start);
+  }
+  constexpr double kPercent = 100;
+  const FrameRecord& inliers = *std::ranges::min_element(tracked, {}, &FrameRecord::inlier_ratio);
+  const FrameRecord& overlap = *std::ranges::min_element(tracked, {}, &FrameRecord::overlap);
+  const FrameRecord& slowest = *std::ranges::max_element(
+      tracked, {}, [](const FrameRecord& frame) { return frame.milliseconds.total; });
+  rows += worst_row("fewest inliers", inliers,
+                    fmt::format("{:.1f} %", kPercent * inliers.inlier_ratio));
+  rows += worst_row("least overlap with its keyframe", overlap,
+                    fmt::format("{:.1f} %", kPercent * overlap.overlap));
+  rows += worst_row("slowest", slowest, fmt::format("{:.2f} ms", slowest.milliseconds.total));
+  return "<section class=\"card\"><h2>Worst frames</h2><table><thead><tr><th>by</th>"
+         "<th class=\"number\">value</th><th class=\"number\">frame</th>"
+         "<th class=\"number\">stamp [s]</th></tr></thead><tbody>\n" +
+         rows + "</tbody></table></section>\n";
 }
 
 std::string row(const std::string& name, const std::string& value) {
@@ -266,7 +332,8 @@ std::string to_html(const RunSummary& summary, const RunLog& log, const RunOutco
       "<title>{} · edvo</title>\n<style>{}</style></head>\n<body><main>\n",
       escape_markup(summary.run.sequence), kReportStyle);
   html += header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
-  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + keyframes_card(log) +
+  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) +
+          worst_card(summary, log, outcome.first_stamp) + keyframes_card(log) +
           facts_card(summary) + machine_card(summary) + "</div>\n" + reproduce_section(summary);
   html += fmt::format(
       "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">{}</script>\n"

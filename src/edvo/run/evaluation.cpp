@@ -91,11 +91,13 @@ std::optional<std::string> warn_of_scale(const RunEvaluation& evaluation,
   const bool is_off = std::abs(scale - 1) > kScaleTolerance && scale > 0 &&
                       evaluation.scaled_ate < kExplained * evaluation.final_poses.ate;
   if (!is_off || source.depth_scale <= 0) return std::nullopt;
+  const double wanted = source.depth_scale / scale;
+  const double usual = nearest_usual_scale(wanted);
   return fmt::format(
       "the motion must be scaled by {:.4g} to fit the ground truth (ATE {:.4g} m instead of {:.4g} "
       "m): the depth scale is probably wrong ({}); try --depth-scale {:.6g}",
       scale, evaluation.scaled_ate, evaluation.final_poses.ate, source.depth_origin,
-      nearest_usual_scale(source.depth_scale / scale));
+      usual == source.depth_scale ? wanted : usual);
 }
 
 }  // namespace edvo
