@@ -87,65 +87,78 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
   return camera;
 }
 
-StatedCamera parse_camera_toml(const path& file, std::string_view text) {
+toml::table parse_table(const path& file, std::string_view text) {
   if (const auto line = line_nested_too_deeply_in_toml(text))
     fail_camera(file, fmt::format("line {}: nested too deeply", *line));
-  toml::table table;
   try {
-    table = toml::parse(text, file.string());
+    return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {
     throw Error(
         ErrorCode::kCalibration,
         fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()));
   }
-  const auto fail_at = [&](const toml::source_region& where, const std::string& reason) {
-    throw Error(ErrorCode::kCalibration,
-                fmt::format("{}:{}: {}", file.string(), where.begin.line, reason));
-  };
-  const auto number = [&](std::string_view key, bool needed) {
-    const toml::node* const node = table.get(key);
-    if (node == nullptr && !needed) return 0.0;
-    if (node == nullptr) fail_camera(file, fmt::format("{} is missing", key));
-    if (!node->is_number()) fail_at(node->source(), fmt::format("{} must be a number", key));
-    return *node->value<double>();
-  };
-  StatedCamera camera{.fx = number("fx", true),
-                      .fy = number("fy", true),
-                      .cx = number("cx", true),
-                      .cy = number("cy", true),
+}
+
+[[noreturn]] void fail_at(const path& file, const toml::source_region& where,
+                          const std::string& reason) {
+  throw Error(ErrorCode::kCalibration,
+              fmt::format("{}:{}: {}", file.string(), where.begin.line, reason));
+}
+
+// 0 if it is not there and need not be.
+double number_in(const toml::table& table, std::string_view key, bool is_needed, const path& file) {
+  const toml::node* const node = table.get(key);
+  if (node == nullptr && !is_needed) return 0.0;
+  if (node == nullptr) fail_camera(file, fmt::format("{} is missing", key));
+  if (!node->is_number()) fail_at(file, node->source(), fmt::format("{} must be a number", key));
+  return *node->value<double>();
+}
+
+int side_in(const toml::table& table, std::string_view key, const path& file) {
+  constexpr double kLargestSide = 1e6;
+  const double value = number_in(table, key, false, file);
+  if (!(value >= 0 && value <= kLargestSide) || value != std::floor(value))
+    fail_camera(file, fmt::format("{} = {} is no size in pixels", key, value));
+  return static_cast<int>(value);
+}
+
+std::vector<double> coefficients_in(const toml::node& node, const path& file) {
+  const toml::array* const values = node.as_array();
+  if (values == nullptr)
+    fail_at(file, node.source(), "distortion must be an array of numbers: k1, k2, p1, p2, k3");
+  std::vector<double> coefficients;
+  for (const toml::node& value : *values) {
+    if (!value.is_number()) fail_at(file, value.source(), "distortion must be an array of numbers");
+    coefficients.push_back(*value.value<double>());
+  }
+  return coefficients;
+}
+
+StatedCamera parse_camera_toml(const path& file, std::string_view text) {
+  const toml::table table = parse_table(file, text);
+  StatedCamera camera{.fx = number_in(table, "fx", true, file),
+                      .fy = number_in(table, "fy", true, file),
+                      .cx = number_in(table, "cx", true, file),
+                      .cy = number_in(table, "cy", true, file),
                       .distortion = {},
-                      .size = {}};
-  const auto side = [&](std::string_view key) {
-    const double value = number(key, false);
-    constexpr double kLargestSide = 1e6;
-    if (!(value >= 0 && value <= kLargestSide) || value != std::floor(value))
-      fail_camera(file, fmt::format("{} = {} is no size in pixels", key, value));
-    return static_cast<int>(value);
-  };
-  camera.size = {side("width"), side("height")};
+                      .size = {side_in(table, "width", file), side_in(table, "height", file)}};
   if (table.contains("depth_scale")) {
-    camera.depth_scale = number("depth_scale", true);
+    camera.depth_scale = number_in(table, "depth_scale", true, file);
     camera.depth_scale_key = "depth_scale";
   }
   for (const auto& [key, node] : table) {
     if (key.str() == "distortion") {
-      const toml::array* const values = node.as_array();
-      if (values == nullptr)
-        fail_at(node.source(), "distortion must be an array of numbers: k1, k2, p1, p2, k3");
-      for (const toml::node& value : *values) {
-        if (!value.is_number()) fail_at(value.source(), "distortion must be an array of numbers");
-        camera.distortion.push_back(*value.value<double>());
-      }
+      camera.distortion = coefficients_in(node, file);
     } else if (key.str() == "distortion_model") {
       const auto lens = lens_model(node.value_or(std::string("no text")));
       if (!lens)
-        fail_at(node.source(),
+        fail_at(file, node.source(),
                 fmt::format("distortion_model must be one of {}", lens_model_names()));
       camera.lens = *lens;
     } else if (constexpr std::array kKnown = {"fx", "fy", "cx", "cy", "width", "height",
                                               "depth_scale"};
                std::ranges::find(kKnown, key.str()) == kKnown.end()) {
-      fail_at(key.source(),
+      fail_at(file, key.source(),
               fmt::format("unknown key {}; known are {}, distortion and distortion_model",
                           printable(key.str()), fmt::join(kKnown, ", ")));
     }

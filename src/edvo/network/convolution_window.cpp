@@ -64,6 +64,14 @@ KernelWindow window_of(const OnnxNode& node, const OnnxTensor& weights) {
   return window;
 }
 
+bool suits_winograd(const std::vector<std::int64_t>& weights, const KernelWindow& window) {
+  constexpr std::int64_t kChannels = 64;
+  return weights.size() == 4 && weights[0] >= kChannels && weights[1] >= kChannels &&
+         window.kernel == Sides{3, 3} && window.stride == Sides{1, 1} &&
+         window.dilation == Sides{1, 1} && window.before == window.after &&
+         window.before.y == window.before.x;
+}
+
 Enlargement enlargement_of(const OnnxNode& node, const KernelWindow& transposed) {
   const auto extra = integers(node, "output_padding");
   const std::int64_t s = transposed.stride.y, k = transposed.kernel.y, p = transposed.before.y;
