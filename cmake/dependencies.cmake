@@ -11,7 +11,7 @@ find_package(LibArchive REQUIRED)
 find_package(Threads REQUIRED)
 find_package(CURL 7.85 REQUIRED)  # only its header: io/curl_library.hpp
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
+pkg_check_modules(tomlplusplus REQUIRED tomlplusplus)  # only its headers
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)

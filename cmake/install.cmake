@@ -1,11 +1,8 @@
-# cmake --install: the library with its headers, the program, and what find_package(edvo) reads.
+# cmake --install: what src/CMakeLists.txt says of each part of the library, the program, and what
+# find_package(edvo) reads.
 include(CMakePackageConfigHelpers)
 set(edvo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/edvo)
 
-install(TARGETS edvo EXPORT edvoTargets)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/edvo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.hpp")
-install(EXPORT edvoTargets NAMESPACE edvo:: DESTINATION ${edvo_cmake_dir})
 if(TARGET edvo_app)
   install(TARGETS edvo_app)
 endif()
