@@ -2,14 +2,10 @@
 #include "edvo/odometry/odometry.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/eval/evaluate.hpp"
-#include "edvo/io/dataset.hpp"
-#include "edvo/io/trajectory_file.hpp"
 #include "edvo/source/prefetch.hpp"
 #include "support/made_source.hpp"
 #include "support/matchers.hpp"
 #include "support/rendered_sequence.hpp"
-#include "support/shared_data.hpp"
 #include "support/synthetic_plane.hpp"
 
 #include <gtest/gtest.h>
@@ -196,43 +192,6 @@ TEST(Odometry, DenseMethodFollowsToo) {
   for (int i = 0; i < 5; ++i)
     EXPECT_THAT(odometry.process(view(i, sideways(i))).world_from_camera,
                 NearPose(sideways(i), 4e-3));
-}
-
-std::filesystem::path fr1_xyz() {
-  return test::shared_data() / "tum" / "rgbd_dataset_freiburg1_xyz";
-}
-
-// Of every so many-th frame of fr1/xyz (JPEG colour), `frames` of them and none lost.
-Evaluation errors_on_fr1_xyz(std::size_t step, std::size_t frames) {
-  const auto folder = fr1_xyz();
-  const Dataset dataset = open_dataset(folder, {});
-  const DistortedCamera camera{{517.306408, 516.469215, 318.643040, 255.313989, 640, 480},
-                               {0.262383, -0.953104, -0.005358, 0.002628, 1.163314}};
-  Odometry odometry(camera, preset(Method::kCannyCorner));
-  for (std::size_t i = 0; i < dataset.frames.size(); i += step)
-    EXPECT_NE(odometry.process(read_frame(dataset, i)).status, FrameStatus::kLost) << i;
-  EXPECT_EQ(odometry.trajectory().size(), frames);
-  return evaluate(read_trajectory(folder / "groundtruth.txt").trajectory, odometry.trajectory(),
-                  {});
-}
-
-// Holds the line: measured 0.0090 / 0.0147 / 0.92, 10 % slack.
-TEST(RealOdometry, KeepsItsAccuracyOnFr1Xyz) {
-  EDVO_REQUIRE_SHARED(fr1_xyz());
-  const Evaluation evaluation = errors_on_fr1_xyz(1, 792);
-  EXPECT_LT(evaluation.ate.distance.rmse, 0.0100);
-  ASSERT_TRUE(evaluation.rpe);
-  EXPECT_LT(evaluation.rpe->translation.rmse, 0.0162);
-  EXPECT_LT(evaluation.rpe->rotation.rmse, 1.02);
-}
-
-// At 5 Hz the same motion is six times as fast from frame to frame.
-TEST(RealOdometry, FollowsFastMotion) {
-  EDVO_REQUIRE_SHARED(fr1_xyz());
-  const Evaluation evaluation = errors_on_fr1_xyz(6, 132);
-  EXPECT_LT(evaluation.ate.distance.rmse, 0.0111);
-  ASSERT_TRUE(evaluation.rpe);
-  EXPECT_LT(evaluation.rpe->translation.rmse, 0.0181);
 }
 
 }  // namespace

@@ -14,6 +14,10 @@ namespace edvo::test {
 
 }  // namespace edvo::test
 
-// Skips the test if the file or folder is not there.
-#define EDVO_REQUIRE_SHARED(path) \
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs " << (path)
+// Skips the test where there is no such data at all; a part of it that is missing fails the test.
+#define EDVO_REQUIRE_SHARED(path)                                               \
+  if (!std::filesystem::exists(path)) {                                         \
+    ASSERT_FALSE(std::filesystem::exists(edvo::test::shared_data())) << (path); \
+    GTEST_SKIP() << "needs " << (path);                                         \
+  }                                                                             \
+  static_assert(true)

@@ -32,11 +32,24 @@ std::vector<WindowKeyframe> plane_window(const std::vector<SE3>& poses,
   return window;
 }
 
+// As if exposure had changed: grey values gain * I + bias.
+Frame exposed(const Frame& frame, double gain, double bias) {
+  Frame changed = frame;
+  changed.levels.front().gray = frame.levels.front().gray.clone();
+  changed.levels.front().gray.convertTo(changed.levels.front().gray, -1, gain, bias);
+  return changed;
+}
+
 TEST(Window, RecoversDisturbedPosesAndBrightness) {
   const WindowOptions options{.iterations = 20, .tolerance = 1e-9};
   const std::vector<SE3> poses = {SE3{}, motion(0.1, 0, 0, 0, 0.02, 0),
                                   motion(0.1, 0.1, 0.05, 0.02, 0, 0.03)};
-  auto window = plane_window(poses, options);
+  const std::vector<double> gains = {1, 0.9, 1.08}, biases = {0, 9, -6};
+  std::vector<WindowKeyframe> window;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Frame frame = exposed(plane_frame(poses[k]), gains[k], biases[k]);
+    window.push_back(make_window_keyframe(frame, poses[k], grid_pixels(frame, 41), options));
+  }
   window[1].world_from_key = poses[1] * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);
   window[2].world_from_key = poses[2] * motion(-0.004, 0.005, 0.002, 0.002, -0.001, 0.001);
   std::vector<PairModel> memory;
@@ -44,7 +57,8 @@ TEST(Window, RecoversDisturbedPosesAndBrightness) {
   EXPECT_LT(done.cost, done.first_cost);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_THAT(window[k].world_from_key, NearPose(poses[k], 1.5e-3));
-    EXPECT_NEAR(window[k].gain, 1, 0.02);
+    EXPECT_NEAR(window[k].gain, gains[k], 0.02) << k;
+    EXPECT_NEAR(window[k].bias, biases[k], 2) << k;
   }
 }
 
