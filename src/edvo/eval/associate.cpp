@@ -1,56 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/eval/associate.hpp"
 
+#include "edvo/core/associate.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace edvo {
 namespace {
 
-struct Candidate {
-  double gap = 0;  // [s]
-  Match match;
-};
-
-// All pairs closer than max_difference. Both lists ascend, so a window moves along.
-std::vector<Candidate> close_pairs(const std::vector<double>& truth,
-                                   const std::vector<double>& estimate,
-                                   const AssociateOptions& options) {
-  std::vector<Candidate> pairs;
-  std::size_t window = 0;
-  for (std::size_t j = 0; j < estimate.size(); ++j) {
-    const double stamp = estimate[j] + options.offset;
-    while (window < truth.size() && stamp - truth[window] >= options.max_difference) ++window;
-    for (std::size_t i = window; i < truth.size(); ++i) {
-      const double gap = std::abs(truth[i] - stamp);
-      if (gap < options.max_difference) {
-        pairs.push_back({.gap = gap, .match = {.truth = i, .estimate = j}});
-      } else if (truth[i] > stamp) {
-        break;
-      }
-    }
-  }
-  return pairs;
-}
-
-std::vector<Match> associate_as_tum(const std::vector<double>& truth,
-                                    const std::vector<double>& estimate,
+std::vector<Match> associate_as_tum(const std::vector<double>& truth, std::vector<double> estimate,
                                     const AssociateOptions& options) {
-  std::vector<Candidate> pairs = close_pairs(truth, estimate, options);
-  std::sort(pairs.begin(), pairs.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.gap, a.match.truth, a.match.estimate) <
-           std::tie(b.gap, b.match.truth, b.match.estimate);
-  });
-  std::vector<bool> truth_taken(truth.size(), false), estimate_taken(estimate.size(), false);
+  for (double& stamp : estimate) stamp += options.offset;
   std::vector<Match> matches;
-  for (const auto& [gap, match] : pairs) {
-    if (truth_taken[match.truth] || estimate_taken[match.estimate]) continue;
-    truth_taken[match.truth] = estimate_taken[match.estimate] = true;
-    matches.push_back(match);
-  }
-  std::sort(matches.begin(), matches.end(),
-            [](const Match& a, const Match& b) { return a.truth < b.truth; });
+  for (const auto& [i, j] : associate(truth, estimate, options.max_difference))
+    matches.push_back({.truth = i, .estimate = j});
   return matches;
 }
 
@@ -75,19 +39,12 @@ std::vector<Match> associate_as_evo(const std::vector<double>& truth,
   return matches;
 }
 
-// Correctly rounded from the whole and the fractional part, as the text's conversion would be.
-double script_stamp(const Stamp& stamp) {
-  constexpr std::int64_t kSecond = 1'000'000'000;  // [ns]
-  return static_cast<double>(stamp.nanoseconds / kSecond) +
-         static_cast<double>(stamp.nanoseconds % kSecond) / static_cast<double>(kSecond);
-}
-
 }  // namespace
 
 std::vector<double> script_stamps(const Trajectory& trajectory) {
   std::vector<double> stamps;
   stamps.reserve(trajectory.size());
-  for (const StampedPose& pose : trajectory) stamps.push_back(script_stamp(pose.stamp));
+  for (const StampedPose& pose : trajectory) stamps.push_back(script_seconds(pose.stamp));
   return stamps;
 }
 

@@ -39,8 +39,7 @@ struct Match {
 [[nodiscard]] std::vector<Match> associate(const Trajectory& truth, const Trajectory& estimate,
                                            const AssociateOptions& options);
 
-// Stamps as the scripts hold them: doubles. Which of two equally close stamps wins is decided there
-// by their rounding, so the same digits need the same rounding. [s]
+// script_seconds() of each pose.
 [[nodiscard]] std::vector<double> script_stamps(const Trajectory& trajectory);
 
 }  // namespace edvo

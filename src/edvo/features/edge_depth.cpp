@@ -31,7 +31,7 @@ EDVO_CLONES float nearest_supported(const float* corner, std::size_t stride) {
   Float8 nearest = infinite, farthest{};
   for (std::size_t j = 0; j < kSide; ++j) {
     const Float8& z = simd::load(corner + j * stride);
-    rows[j] = inside & (z > 0.F) ? z : infinite;
+    rows[j] = (inside & (z > 0.F)) ? z : infinite;
     nearest = rows[j] < nearest ? rows[j] : nearest;
     const Float8 finite = rows[j] < kInfinity ? rows[j] : Float8{};
     farthest = finite > farthest ? finite : farthest;
@@ -48,7 +48,7 @@ EDVO_CLONES float nearest_supported(const float* corner, std::size_t stride) {
     for (const Float8& z : rows) {
       const Int8 behind = z > low;
       members += ~(z < low) & (z <= kFarthest * low);
-      next = behind & (z < next) ? z : next;
+      next = (behind & (z < next)) ? z : next;
     }
     std::int32_t support = 0;
     for (std::size_t k = 0; k < simd::kWidth; ++k) support -= members[k];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The layouts with time stamps: TUM's rgb.txt and depth.txt, and association files.
+#include "edvo/core/associate.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/io/associate.hpp"
 #include "edvo/io/dataset_layout.hpp"
 #include "edvo/io/text_list.hpp"
 
@@ -13,6 +13,8 @@ namespace edvo {
 namespace {
 
 using std::filesystem::path;
+
+constexpr std::size_t kMostCandidatesPerStamp = 200;  // a 5 kHz camera at a gap of 20 ms
 
 // A line of a list, whatever else it says.
 template <typename Content>
@@ -116,6 +118,12 @@ std::size_t depth_half(const path& file, const std::vector<ListLine>& lines) {
                           file.string()));
 }
 
+std::vector<double> in_seconds(const std::vector<Stamp>& stamps) {
+  std::vector<double> seconds;
+  for (const Stamp& stamp : stamps) seconds.push_back(script_seconds(stamp));
+  return seconds;
+}
+
 }  // namespace
 
 Listing read_tum_lists(const path& root, const DatasetOptions& options) {
@@ -128,7 +136,8 @@ Listing read_tum_lists(const path& root, const DatasetOptions& options) {
 
   const std::vector<Stamp> colour_stamps = stamps_of(colour);
   const std::vector<Stamp> depth_stamps = stamps_of(depth);
-  for (const auto [i, j] : associate(colour_stamps, depth_stamps, options.largest_gap))
+  for (const auto [i, j] : associate(in_seconds(colour_stamps), in_seconds(depth_stamps),
+                                     options.largest_gap, kMostCandidatesPerStamp))
     listing.frames.push_back({.stamp = colour[i].stamp,
                               .depth_stamp = depth[j].stamp,
                               .colour = colour[i].content,

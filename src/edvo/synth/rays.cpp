@@ -67,7 +67,8 @@ Depths depths_of(const SolidInView& solid, const RayPack& rays) {
     case Shape::kBox:
       for (int i = 0; i < kPack; ++i) {
         const Stay stay = stay_in_box(solid, rays.x[i], rays.y[i]);
-        depths[i] = (stay.enter < stay.leave) & (stay.enter > kNearest) ? stay.enter : kNothing;
+        const bool hit = (stay.enter < stay.leave) & (stay.enter > kNearest);
+        depths[i] = hit ? stay.enter : kNothing;
       }
       break;
     case Shape::kRoom:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/io/associate.hpp"
+#include "edvo/core/associate.hpp"
 
 #include "support/error_matcher.hpp"
 
@@ -24,7 +24,8 @@ std::vector<Stamp> stamps(std::initializer_list<double> seconds) {
 std::vector<std::pair<std::size_t, std::size_t>> pairs(std::initializer_list<double> first,
                                                        std::initializer_list<double> second) {
   std::vector<std::pair<std::size_t, std::size_t>> all;
-  for (const auto [i, j] : associate(stamps(first), stamps(second), kGap)) all.emplace_back(i, j);
+  for (const auto [i, j] : associate(std::vector(first), std::vector(second), kGap))
+    all.emplace_back(i, j);
   return all;
 }
 
@@ -54,10 +55,10 @@ TEST(Associate, NothingIsPairedWithNothing) {
 }
 
 TEST(Associate, RefusesStampsThatAreTooDense) {
-  std::vector<Stamp> dense;
-  for (int i = 0; i < 2000; ++i) dense.push_back({.nanoseconds = i});
+  std::vector<double> dense;
+  for (int i = 0; i < 2000; ++i) dense.push_back(1e-9 * i);
   EXPECT_TRUE(test::fails_with(ErrorCode::kInput, {"in seconds?"},
-                               [&] { (void)associate(dense, dense, kGap); }));
+                               [&] { (void)associate(dense, dense, kGap, 200); }));
 }
 
 TEST(Associate, SmallestGapLooksBothWays) {
