@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/network/onednn_functions.hpp"
 
+#include "edvo/network/onednn_version.hpp"
+
 namespace edvo {
 
 using dnnl::algorithm;
@@ -9,7 +11,7 @@ dnnl::primitive_attr attributes_of(const FusedOperators& fused) {
   dnnl::post_ops operators;
   if (!fused.added.empty()) operators.append_sum();
   for (const ElementFunction& function : fused.functions)
-    operators.append_eltwise(1, function.kind, function.alpha, function.beta);
+    append_function(operators, function.kind, function.alpha, function.beta);
   dnnl::primitive_attr attributes;
   attributes.set_post_ops(operators);
   attributes.set_scratchpad_mode(dnnl::scratchpad_mode::user);  // the planner gives the memory

@@ -5,6 +5,7 @@
 #include "edvo/network/convolution_window.hpp"
 #include "edvo/network/onednn_functions.hpp"
 #include "edvo/network/onednn_values.hpp"
+#include "edvo/network/onednn_version.hpp"
 
 #include <fmt/format.h>
 
@@ -162,12 +163,13 @@ class Planner {
                 const std::vector<float>& bias, const KernelWindow& window,
                 const memory::desc& target, const FusedOperators& fused) {
     const Dims bias_dims = {static_cast<memory::dim>(bias.size())};
-    const auto description = [&](algorithm way, const memory::desc& from, const memory::desc& to,
+    const auto description = [&](const dnnl::primitive_attr& attributes, IfUnknown if_unknown,
+                                 algorithm way, const memory::desc& from, const memory::desc& to,
                                  Sides before, Sides after) {
-      return dnnl::convolution_forward::desc(kInference, way, from, any_layout(weights),
-                                             any_layout(bias_dims), to, dims(window.stride),
-                                             Dims{window.dilation.y - 1, window.dilation.x - 1},
-                                             dims(before), dims(after));
+      return described<dnnl::convolution_forward>(
+          plan_.engine, attributes, if_unknown, kInference, way, from, any_layout(weights),
+          any_layout(bias_dims), to, dims(window.stride),
+          Dims{window.dilation.y - 1, window.dilation.x - 1}, dims(before), dims(after));
     };
     const auto finish_with = [&](const dnnl::convolution_forward::primitive_desc& chosen,
                                  const memory& source) {
@@ -183,30 +185,27 @@ class Planner {
       const Sides border = {window.before.y - ring, window.before.x - ring};
       Dims source = values_.dims_of(input);
       for (const std::size_t side : {2, 3}) source[side] += 2 * ring;
-      const dnnl::convolution_forward::primitive_desc chosen(
-          description(algorithm::convolution_winograd, any_layout(source), target, border, border),
-          attributes, plan_.engine, true);
+      const auto chosen =
+          description(attributes, IfUnknown::kLeaveEmpty, algorithm::convolution_winograd,
+                      any_layout(source), target, border, border);
       if (chosen.get(true) != nullptr)
         return finish_with(chosen, values_.in_ring(input, ring, chosen.src_desc()));
     }
     // Layouts are those of the fastest implementation; operators fused to it may not change them.
-    const dnnl::convolution_forward::primitive_desc fastest(
-        description(algorithm::convolution_direct, any_layout(values_.dims_of(input)), target,
-                    window.before, window.after),
-        plan_.engine);
-    const dnnl::convolution_forward::primitive_desc chosen(
-        description(algorithm::convolution_direct, fastest.src_desc(), fastest.dst_desc(),
-                    window.before, window.after),
-        attributes, plan_.engine);
+    const auto fastest =
+        description({}, IfUnknown::kThrow, algorithm::convolution_direct,
+                    any_layout(values_.dims_of(input)), target, window.before, window.after);
+    const auto chosen =
+        description(attributes, IfUnknown::kThrow, algorithm::convolution_direct,
+                    fastest.src_desc(), fastest.dst_desc(), window.before, window.after);
     finish_with(chosen, values_.in_layout(input, chosen.src_desc()));
   }
 
   void add_function(const OnnxNode& node, const ElementFunction& function) {
     const std::string& input = node.inputs[single_number(graph_, node.inputs[0]) ? 1 : 0];
     const memory source = values_.at(input);
-    const dnnl::eltwise_forward::primitive_desc chosen(
-        {kInference, function.kind, source.get_desc(), function.alpha, function.beta},
-        plan_.engine);
+    const auto chosen = described_function(plan_.engine, function.kind, source.get_desc(),
+                                           function.alpha, function.beta);
     finish(dnnl::eltwise_forward(chosen), {{DNNL_ARG_SRC, source}}, chosen.dst_desc(), {input},
            alone(node));
   }
@@ -229,24 +228,22 @@ class Planner {
       used.push_back(second);
     }
     const FusedOperators fused = fuse(i, values_.dims_of(first), Fusible::kFunctions);
-    const dnnl::binary::primitive_desc chosen(
-        {kind, source.get_desc(), other.get_desc(), source.get_desc()}, attributes_of(fused),
-        plan_.engine);
+    const auto chosen =
+        described<dnnl::binary>(plan_.engine, attributes_of(fused), IfUnknown::kThrow, kind,
+                                source.get_desc(), other.get_desc(), source.get_desc());
     finish(dnnl::binary(chosen), {{DNNL_ARG_SRC_0, source}, {DNNL_ARG_SRC_1, other}},
            chosen.dst_desc(), used, fused, chosen.scratchpad_desc());
   }
 
   void add_pooling(const OnnxNode& node) {
     const memory source = values_.at(node.inputs[0]);
-    const Dims sides = source.get_desc().dims();
+    const Dims sides = dims_of(source.get_desc());
     const KernelWindow window = window_of(node);
     if (window.dilation != Sides{1, 1}) fail("MaxPool with dilations");
     const Sides size = window.output_size({sides[2], sides[3]});
-    const dnnl::pooling_forward::primitive_desc chosen(
-        {kInference, algorithm::pooling_max, source.get_desc(),
-         any_layout({sides[0], sides[1], size.y, size.x}), dims(window.stride), dims(window.kernel),
-         dims(window.before), dims(window.after)},
-        plan_.engine);
+    const auto chosen = described_maximum(
+        plan_.engine, source.get_desc(), any_layout({sides[0], sides[1], size.y, size.x}),
+        dims(window.stride), dims(window.kernel), dims(window.before), dims(window.after));
     finish(dnnl::pooling_forward(chosen), {{DNNL_ARG_SRC, source}}, chosen.dst_desc(),
            {node.inputs[0]}, alone(node));
   }
@@ -265,7 +262,7 @@ class Planner {
     Dims offset(dims.size(), 0);
     for (const std::string& input : node.inputs) {
       const memory part = values_.at(input);
-      const Dims sides = part.get_desc().dims();
+      const Dims sides = dims_of(part.get_desc());
       values_.reorder(part,
                       {layout.submemory_desc(sides, offset), plan_.engine, all.get_data_handle()});
       offset[1] += sides[1];
@@ -285,16 +282,16 @@ class Planner {
       fail("Resize in another way than linear, by scales, between centres of pixels");
     const std::vector<float> factors = floats_of(*scales);
     const memory source = values_.at(node.inputs[0]);
-    Dims target = source.get_desc().dims();
+    Dims target = dims_of(source.get_desc());
     if (factors[0] != 1 || factors[1] != 1 || factors[2] < 1 || factors[3] < 1 ||
         factors[2] != std::floor(factors[2]) || factors[3] != std::floor(factors[3]))
       fail("Resize by other than whole numbers");
     target[2] *= static_cast<memory::dim>(factors[2]);
     target[3] *= static_cast<memory::dim>(factors[3]);
     const FusedOperators fused = fuse(i, target, Fusible::kFunctions);
-    const dnnl::resampling_forward::primitive_desc chosen(
-        {kInference, algorithm::resampling_linear, source.get_desc(), any_layout(target)},
-        attributes_of(fused), plan_.engine);
+    const auto chosen = described<dnnl::resampling_forward>(
+        plan_.engine, attributes_of(fused), IfUnknown::kThrow, kInference,
+        algorithm::resampling_linear, source.get_desc(), any_layout(target));
     finish(dnnl::resampling_forward(chosen), {{DNNL_ARG_SRC, source}}, chosen.dst_desc(),
            {node.inputs[0]}, fused, chosen.scratchpad_desc());
   }
@@ -388,7 +385,7 @@ cv::Mat run(NetworkPlan& plan, const cv::Mat_<cv::Vec3f>& image) {
   std::memcpy(plan.input.get_data_handle(), image.data, image.total() * image.elemSize());
   for (const auto& [primitive, arguments] : plan.steps) primitive.execute(plan.stream, arguments);
   plan.stream.wait();
-  const Dims dims = plan.output.get_desc().dims();
+  const Dims dims = dims_of(plan.output.get_desc());
   const std::vector<int> sizes(dims.begin(), dims.end());
   return cv::Mat(sizes, CV_32F, plan.output.get_data_handle()).clone();
 }

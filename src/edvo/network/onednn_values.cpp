@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/network/onednn_values.hpp"
 
+#include "edvo/network/onednn_version.hpp"
+
 #include "edvo/core/error.hpp"
 
 #include <fmt/format.h>
@@ -72,7 +74,7 @@ const memory& PlanValues::at(const std::string& name) const {
 }
 
 memory::dims PlanValues::dims_of(const std::string& name) const {
-  return at(name).get_desc().dims();
+  return edvo::dims_of(at(name).get_desc());
 }
 
 memory PlanValues::in_layout(const std::string& name, const memory::desc& layout) {
