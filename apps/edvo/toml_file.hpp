@@ -2,7 +2,7 @@
 // Reading a TOML file of ours so that whatever is wrong in it is said with its line.
 #pragma once
 
-#include <toml++/toml.h>
+#include "edvo/core/toml.hpp"
 
 #include <filesystem>
 #include <optional>

@@ -61,6 +61,19 @@ TEST_F(HostileInput, KeysOfFortyThousandPartsAreRefusedByEveryReaderOfToml) {
   refuses("run " + place("sequence") + " --model " + deep, ErrorCode::kModel);
 }
 
+// toml++ asserts before it checks (core/toml.hpp).
+TEST_F(HostileInput, ATableWithoutANameIsRefusedByEveryReaderOfToml) {
+  folder_.write("dots.toml", "[....");
+  test::write_sliding_sequence(folder_.path() / "sequence");
+  const auto status = [](const std::string& arguments) { return run_edvo(arguments).status; };
+  const std::string dots = place("dots.toml") + " 2>/dev/null";
+  EXPECT_EQ(status("config --config " + dots), status_of(ErrorCode::kConfig));
+  EXPECT_EQ(status("bench " + dots), status_of(ErrorCode::kConfig));
+  EXPECT_EQ(status("run " + place("sequence") + " --camera " + dots),
+            status_of(ErrorCode::kCalibration));
+  EXPECT_EQ(status("run " + place("sequence") + " --model " + dots), status_of(ErrorCode::kModel));
+}
+
 TEST_F(HostileInput, AConfigurationWithoutEndIsRefused) {
   const ProgramResult zeros = run_edvo("config --config /dev/zero 2>&1");
   EXPECT_EQ(zeros.status, status_of(ErrorCode::kConfig));

@@ -3,13 +3,13 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/core/nesting.hpp"
+#include "edvo/core/toml.hpp"
 #include "edvo/io/camera_text.hpp"
 #include "edvo/io/file.hpp"
 #include "edvo/io/text_list.hpp"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>

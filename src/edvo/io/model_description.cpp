@@ -3,9 +3,9 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/nesting.hpp"
+#include "edvo/core/toml.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <sstream>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/nesting.hpp"
+#include "edvo/core/toml.hpp"
 #include "edvo/odometry/config.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <sstream>
