@@ -99,5 +99,12 @@ TEST(ModelFile, SaysWhichFileIsMissingOrChanged) {
                       {"a.onnx: its SHA-256 is " + sha256("x"), "b.toml expects " + sha256("y")}));
 }
 
+TEST(ModelDescription, WithoutAChecksumItIsWrittenSoThatItCanBeReadAgain) {
+  const ModelDescription model{.file = "a.onnx"};
+  const ModelDescription again = model_description_from_toml(to_toml(model), "again");
+  EXPECT_EQ(again.sha256, "");
+  EXPECT_EQ(to_toml(again), to_toml(model));
+}
+
 }  // namespace
 }  // namespace edvo

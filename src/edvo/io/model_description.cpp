@@ -212,12 +212,15 @@ ModelDescription model_description_from_toml(std::string_view text, const std::s
 std::string to_toml(const ModelDescription& model) {
   const NetworkInput& input = model.input;
   const NetworkOutput& output = model.output;
+  // A checksum that is not known is left out: an empty one would be refused.
+  const std::string checksum =
+      model.sha256.empty() ? "" : fmt::format("sha256 = {}\n", quoted(model.sha256));
   std::string text = fmt::format(
-      "name = {}\nfile = {}\nsha256 = {}\nlicence = {}\nsource = {}\n\n[input]\nchannels = {}\n"
+      "name = {}\nfile = {}\n{}licence = {}\nsource = {}\n\n[input]\nchannels = {}\n"
       "mean = [{}, {}, {}]\nscale = {}\npadding = {}\n",
-      quoted(model.name), quoted(model.file), quoted(model.sha256), quoted(model.licence),
-      quoted(model.source), quoted(input.channels), input.mean[0], input.mean[1], input.mean[2],
-      input.scale, quoted(input.padding));
+      quoted(model.name), quoted(model.file), checksum, quoted(model.licence), quoted(model.source),
+      quoted(input.channels), input.mean[0], input.mean[1], input.mean[2], input.scale,
+      quoted(input.padding));
   text += input.size.empty()
               ? fmt::format("multiple_of = {}\nfactor = {}\n", input.multiple_of, input.factor)
               : fmt::format("size = [{}, {}]\n", input.size.width, input.size.height);
