@@ -16,7 +16,6 @@ find_package(OneDnn 2.6 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(LibArchive REQUIRED)
-find_package(CURL 7.85 REQUIRED)  # only its header: io/curl_library.hpp
 pkg_check_modules(spng REQUIRED IMPORTED_TARGET spng)
 pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)

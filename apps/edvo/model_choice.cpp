@@ -19,6 +19,13 @@ fs::path models_folder() {
   return cache / "models";
 }
 
+std::string how_to_get(const std::string& known) {
+  return fmt::format(
+      "get it with `edvo pull {0}` (Python package), or download {1} and run: edvo models import "
+      "FILE",
+      known, find_known_model(known)->addresses.front());
+}
+
 std::string model_file(const std::string& file_or_name) {
   std::error_code ignored;
   if (file_or_name.empty() || fs::is_regular_file(file_or_name, ignored)) return file_or_name;
@@ -28,9 +35,7 @@ std::string model_file(const std::string& file_or_name) {
       return description->string();
   if (find_known_model(file_or_name) != nullptr)
     throw Error(ErrorCode::kModel,
-                fmt::format("model {0} is not there yet; get it with: edvo models "
-                            "pull {0}",
-                            file_or_name));
+                fmt::format("model {} is not there; {}", file_or_name, how_to_get(file_or_name)));
   return file_or_name;
 }
 

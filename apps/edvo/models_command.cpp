@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// edvo models list|pull|verify|import|path
+// edvo models list|verify|import|path
 #include "commands.hpp"
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/error.hpp"
@@ -7,14 +7,11 @@
 #include "edvo/io/model_file.hpp"
 #include "edvo/network/edge_network.hpp"
 #include "model_choice.hpp"
-#include "stop_signal.hpp"
 #include "terminal.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -27,6 +24,7 @@ namespace fs = std::filesystem;
 struct Row {
   std::string name, state, licence, source;
   std::int64_t bytes = 0;  // 0 = not known
+  std::vector<std::string> addresses = {};
 };
 
 std::string size_text(std::int64_t bytes) {
@@ -43,10 +41,13 @@ std::int64_t size_of(const fs::path& file) {
 
 Row row_of_known(const KnownModel& model, const fs::path& folder) {
   const std::string name(model.name);
-  std::string state = find_cached_model(folder, name) ? "ready" : "not there";
-  const std::int64_t begun = size_of(folder / (name + ".onnx.part"));
-  if (begun > 0) state = fmt::format("{} % there", 100 * begun / model.bytes);
-  return {name, state, std::string(model.licence), std::string(model.source), model.bytes};
+  const std::string state = find_cached_model(folder, name) ? "ready" : "not there";
+  return {name,
+          state,
+          std::string(model.licence),
+          std::string(model.source),
+          model.bytes,
+          {model.addresses.begin(), model.addresses.end()}};
 }
 
 Row row_of_own(const std::string& name, const fs::path& folder) {
@@ -77,7 +78,8 @@ void list(bool json) {
                         {"state", row.state},
                         {"bytes", row.bytes},
                         {"licence", row.licence},
-                        {"source", row.source}});
+                        {"source", row.source},
+                        {"addresses", row.addresses}});
     print_bytes(nlohmann::json{{"folder", folder.string()}, {"models", models}}.dump(
                     2, ' ', false, nlohmann::json::error_handler_t::replace) +
                 '\n');
@@ -89,63 +91,6 @@ void list(bool json) {
           row.licence.empty() ? "-" : row.licence, row.source.empty() ? "-" : row.source);
 }
 
-const KnownModel& known(const std::string& name) {
-  if (const KnownModel* model = find_known_model(name)) return *model;
-  std::vector<std::string> names;
-  for (const KnownModel& model : known_models()) names.emplace_back(model.name);
-  throw Error(ErrorCode::kUsage, fmt::format("models pull {}: unknown model{} (known: {})", name,
-                                             did_you_mean(name, names), fmt::join(names, ", ")));
-}
-
-struct PullArguments {
-  std::string name, url;
-  fs::path file;
-  int timeout = 30;  // [s]
-};
-
-// How far it is, on stderr: rewritten on a terminal, a line per tenth elsewhere.
-class PullProgress {
- public:
-  explicit PullProgress(std::int64_t bytes) : bytes_(bytes) {}
-
-  void show(std::int64_t done) {
-    const std::int64_t percent = 100 * done / bytes_;
-    if (percent / step_ == shown_ || done == 0) return;
-    shown_ = percent / step_;
-    say_bytes(fmt::format("{}{:3} % of {}{}", is_terminal_ ? "\r" : "", percent, size_text(bytes_),
-                          is_terminal_ && done < bytes_ ? "" : "\n"));
-  }
-
- private:
-  std::int64_t bytes_;
-  bool is_terminal_ = ::isatty(STDERR_FILENO) != 0;
-  std::int64_t step_ = is_terminal_ ? 1 : 10;  // [%]
-  std::int64_t shown_ = -1;
-};
-
-void pull(const PullArguments& arguments) {
-  const KnownModel& model = known(arguments.name);
-  const fs::path folder = models_folder();
-  if (!arguments.file.empty()) {
-    print("{}\n", pull_model_from(model, folder, arguments.file).string());
-    return;
-  }
-  const StopSignal signal;
-  PullProgress progress(model.bytes);
-  const auto description =
-      pull_model(model, folder,
-                 {.address = arguments.url,
-                  .max_lost_frames = arguments.timeout,
-                  .on_progress =
-                      [&progress](std::int64_t done) {
-                        progress.show(done);
-                        return !stop_requested();
-                      },
-                  .on_note = [&](const std::string& note) { say("{}: {}\n", model.name, note); }});
-  if (!description) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
-  print("{}\n", description->string());
-}
-
 fs::path cached(const fs::path& folder, const std::string& name) {
   if (const auto description = find_cached_model(folder, name)) return *description;
   const bool is_known = find_known_model(name) != nullptr;
@@ -153,7 +98,7 @@ fs::path cached(const fs::path& folder, const std::string& name) {
   throw Error(
       ErrorCode::kModel,
       is_known
-          ? fmt::format("model {0} is not there; get it with: edvo models pull {0}", name)
+          ? fmt::format("model {} is not there; {}", name, how_to_get(name))
           : fmt::format("there is no model {}{}; there are: {}", name, did_you_mean(name, names),
                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
 }
@@ -175,11 +120,10 @@ void verify(const std::string& name) {
     }
   }
   if (!first_failure.empty())
-    throw Error(ErrorCode::kModel,
-                fmt::format("model {} is damaged; {}", first_failure,
-                            find_known_model(first_failure) != nullptr
-                                ? fmt::format("fetch it again: edvo models pull {}", first_failure)
-                                : "import it again with --force"));
+    throw Error(ErrorCode::kModel, fmt::format("model {} is damaged; {}", first_failure,
+                                               find_known_model(first_failure) != nullptr
+                                                   ? how_to_get(first_failure)
+                                                   : "import it again with --force"));
 }
 
 struct ImportArguments {
@@ -196,36 +140,30 @@ void try_out(const fs::path& description, const fs::path& onnx) {
 
 void import(const ImportArguments& arguments) {
   fs::path description = arguments.description;
-  if (description.empty()) description = fs::path(arguments.onnx).replace_extension(".toml");
+  if (description.empty()) {
+    if (const auto known = import_known_model(arguments.onnx, models_folder())) {
+      print("{}\n", known->string());
+      return;
+    }
+    description = fs::path(arguments.onnx).replace_extension(".toml");
+  }
   std::error_code ignored;
-  if (!fs::exists(description, ignored))
+  if (!fs::exists(description, ignored) && fs::exists(arguments.onnx, ignored))
     throw Error(
         ErrorCode::kModel,
-        fmt::format("{}: no such file; a network needs a description (docs/models.md), beside "
-                    "it or with --description FILE",
-                    description.string()));
+        fmt::format("{}: no such file, and by size and SHA-256 {} is no model that edvo knows; an "
+                    "own network needs a description (docs/models.md), beside it or with "
+                    "--description FILE",
+                    description.string(), arguments.onnx.string()));
   try_out(description, arguments.onnx);
   print("{}\n",
         import_model(description, arguments.onnx, models_folder(), arguments.force).string());
 }
 
-void add_pull(CLI::App& models) {
-  constexpr int kMostSeconds = 3600;
-  const auto arguments = std::make_shared<PullArguments>();
-  CLI::App* verb = models.add_subcommand("pull", "Fetch a known model; what was begun goes on");
-  verb->add_option("name", arguments->name, "As edvo models list shows it")->required();
-  verb->add_option("--from", arguments->file, "Take this file, without network")->type_name("FILE");
-  verb->add_option("--url", arguments->url, "Take this address")->excludes("--from");
-  verb->add_option("--timeout", arguments->timeout, "Give up after so long without data [s]")
-      ->type_name("SECONDS")
-      ->check(CLI::Range(1, kMostSeconds))
-      ->capture_default_str();
-  verb->callback([arguments] { pull(*arguments); });
-}
-
 void add_import(CLI::App& models) {
   const auto arguments = std::make_shared<ImportArguments>();
-  CLI::App* verb = models.add_subcommand("import", "Put an own network into the cache");
+  CLI::App* verb = models.add_subcommand(
+      "import", "Put a known model's file, or an own network, into the cache");
   verb->add_option("file", arguments->onnx, "ONNX file")->required()->type_name("FILE");
   verb->add_option("--description", arguments->description, "Default: the .toml beside it")
       ->type_name("FILE");
@@ -236,16 +174,13 @@ void add_import(CLI::App& models) {
 }  // namespace
 
 void add_models_command(CLI::App& program) {
-  CLI::App* models =
-      program.add_subcommand("models", "List, fetch, check and import edge networks");
+  CLI::App* models = program.add_subcommand("models", "List, check and import edge networks");
   models->require_subcommand(1);
 
   const auto json = std::make_shared<bool>(false);
   CLI::App* list_verb = models->add_subcommand("list", "What is known and what is there");
   list_verb->add_flag("--json", *json, "Print one JSON object");
   list_verb->callback([json] { list(*json); });
-
-  add_pull(*models);
 
   const auto to_verify = std::make_shared<std::string>();
   CLI::App* verify_verb = models->add_subcommand("verify", "Check the hashes of what is there");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/error.hpp"
 #include "edvo/io/image_file.hpp"
-#include "support/http_server.hpp"
 #include "support/program.hpp"
 #include "support/sliding_sequence.hpp"
 #include "support/temporary_folder.hpp"
@@ -68,7 +67,7 @@ TEST_F(ModelsCommand, LetsModelsBeNamed) {
   EXPECT_GT(cv::countNonZero(read_colour(edges).reshape(1)), 0);
   const auto absent = detect("dexined");
   EXPECT_EQ(absent.status, static_cast<int>(ErrorCode::kModel));
-  EXPECT_THAT(absent.output, HasSubstr("edvo models pull dexined"));
+  EXPECT_THAT(absent.output, HasSubstr("edvo pull dexined"));
 }
 
 TEST_F(ModelsCommand, RefusesWhatCannotRunBeforeItIsKept) {
@@ -79,21 +78,18 @@ TEST_F(ModelsCommand, RefusesWhatCannotRunBeforeItIsKept) {
   EXPECT_FALSE(fs::exists(description("own")));
 }
 
-TEST_F(ModelsCommand, DoesNotKeepAnotherFileThanDexined) {
-  const test::HttpServer server({.body = "something else"});
-  expect_refused("pull dexined --url " + server.url(), ErrorCode::kModel, "14 of 47235563 bytes");
-  expect_refused("path dexined", ErrorCode::kModel, "edvo models pull dexined");
-  expect_refused("pull dexined --from " + tiny_, ErrorCode::kModel, "not the model dexined");
-  expect_refused("pull dexined --url http://127.0.0.1:1/x", ErrorCode::kModel, "check the network");
+TEST_F(ModelsCommand, SaysHowToGetDexined) {
+  expect_refused("path dexined", ErrorCode::kModel, "edvo pull dexined");
+  expect_refused("path dexined", ErrorCode::kModel, "edvo models import FILE");
+  const std::string other = folder_.write("other.onnx", "something else").string();
+  expect_refused("import " + other, ErrorCode::kModel, "is no model that edvo knows");
 }
 
 TEST_F(ModelsCommand, ExplainsItself) {
-  expect_refused("", ErrorCode::kUsage,
-                 "models needs a verb (known: list, pull, verify, import, path)");
-  expect_refused("pul dexined", ErrorCode::kUsage,
-                 "unknown verb 'models pul', did you mean 'pull'?");
-  expect_refused("pull dexine", ErrorCode::kUsage, "did you mean 'dexined'?");
-  expect_refused("pull dexined --form x", ErrorCode::kUsage, "did you mean '--from'?");
+  expect_refused("", ErrorCode::kUsage, "models needs a verb (known: list, verify, import, path)");
+  expect_refused("verfy dexined", ErrorCode::kUsage,
+                 "unknown verb 'models verfy', did you mean 'verify'?");
+  expect_refused("import x.onnx --forse", ErrorCode::kUsage, "did you mean '--force'?");
   expect_refused("path nothing", ErrorCode::kModel, "there is no model nothing; there are: none");
 }
 

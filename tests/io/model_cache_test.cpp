@@ -5,55 +5,36 @@
 #include "edvo/io/file.hpp"
 #include "edvo/io/model_file.hpp"
 #include "support/error_matcher.hpp"
-#include "support/http_server.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/tiny_network.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include <chrono>
+#include <optional>
+#include <span>
 
 namespace edvo {
 namespace {
 
 namespace fs = std::filesystem;
 using test::fails_with;
-using test::HttpServer;
 using ::testing::ElementsAre;
 
-constexpr std::size_t kHalf = 100'000;  // [bytes]
-
-std::string some_bytes() {
-  std::string bytes(2 * kHalf, '\0');
-  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i % 251);
-  return bytes;
-}
-
-class PullModel : public testing::Test {
+class ImportKnownModel : public testing::Test {
  protected:
-  std::optional<fs::path> pull(int max_lost_frames = 5) const {
-    return pull_model(
-        model_, folder_,
-        {.address = server_.url(), .max_lost_frames = max_lost_frames, .on_progress = progress_});
+  [[nodiscard]] std::optional<fs::path> import(const fs::path& file) const {
+    return import_known_model(file, folder_, std::span(&model_, 1));
   }
-  auto refuses(std::initializer_list<std::string> parts, int max_lost_frames = 5) const {
-    return fails_with(ErrorCode::kModel, parts, [&] { (void)pull(max_lost_frames); });
-  }
-  std::size_t part_size() const {
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(folder_ / "some.onnx.part", error);
-    return error ? 0 : size;
-  }
-  bool is_empty() const { return !fs::exists(folder_) || fs::is_empty(folder_); }
   void expect_whole(const std::optional<fs::path>& description) const {
     ASSERT_TRUE(description);
+    EXPECT_EQ(*description, folder_ / "some.toml");
     const Model model = read_model(*description);
     EXPECT_EQ(model.weights, body_);
     EXPECT_EQ(model.description.input.multiple_of, 16);
-    EXPECT_EQ(part_size(), 0U);
   }
 
-  std::string body_ = some_bytes(), hash_ = sha256(body_);
+  std::string body_ = "the weights of a model", hash_ = sha256(body_);
   KnownModel model_{.name = "some",
                     .addresses = {},
                     .bytes = static_cast<std::int64_t>(body_.size()),
@@ -63,146 +44,32 @@ class PullModel : public testing::Test {
                     .usage = find_known_model("dexined")->usage};
   test::TemporaryFolder temporary_;
   fs::path folder_ = temporary_.path() / "cache" / "models";
-  HttpServer server_{{.body = body_}};
-  std::function<bool(std::int64_t)> progress_;
 };
 
-TEST_F(PullModel, FetchesOnceChecksAndDescribes) {
-  std::int64_t last = 0;
-  progress_ = [&last](std::int64_t done) {
-    last = std::max(last, done);
-    return true;
-  };
-  expect_whole(pull());
-  EXPECT_EQ(last, model_.bytes);
-  expect_whole(pull());
-  EXPECT_THAT(server_.starts(), ElementsAre(0));
+TEST_F(ImportKnownModel, KnowsItBySizeAndHashAndDescribesIt) {
+  expect_whole(import(temporary_.write("any name", body_)));
 }
 
-TEST_F(PullModel, GoesOnWhereItWasCutOff) {
-  server_.behave({.body = body_, .hangs_up_after = kHalf});
-  EXPECT_TRUE(
-      refuses({server_.url(), "it ended after 100000 of 200000 bytes", "goes on", "--from"}));
-  EXPECT_EQ(part_size(), kHalf);
-  EXPECT_FALSE(fs::exists(folder_ / "some.toml"));
-  server_.behave({.body = body_});
-  expect_whole(pull());
-  EXPECT_THAT(server_.starts(), ElementsAre(0, kHalf));
+TEST_F(ImportKnownModel, LeavesOtherFilesAlone) {
+  EXPECT_EQ(import(temporary_.write("longer", body_ + "x")), std::nullopt);
+  EXPECT_EQ(import(temporary_.write("same size", std::string(body_.size(), 'x'))), std::nullopt);
+  EXPECT_EQ(import("none.onnx"), std::nullopt);
+  EXPECT_FALSE(fs::exists(folder_));
 }
 
-TEST_F(PullModel, StartsOverWhereTheServerCannotGoOn) {
-  server_.behave({.body = body_, .hangs_up_after = kHalf});
-  EXPECT_TRUE(refuses({"it ended after"}));
-  server_.behave({.body = body_, .knows_ranges = false});
-  expect_whole(pull());
-  EXPECT_THAT(server_.starts(), ElementsAre(0, kHalf, 0));
+TEST_F(ImportKnownModel, TakesAFileThatLiesInItsPlace) {
+  expect_whole(import(temporary_.write("cache/models/some.onnx", body_)));
 }
 
-TEST_F(PullModel, KeepsNothingOfAnotherHash) {
-  server_.behave({.body = std::string(body_.size(), 'x')});
-  EXPECT_TRUE(refuses({"not the model some", "its SHA-256 is", "instead of " + hash_, "not kept"}));
-  EXPECT_TRUE(is_empty());
-  server_.behave({.body = body_});
-  expect_whole(pull());
-}
-
-TEST_F(PullModel, KeepsNothingThatContinuesAnotherFile) {
-  temporary_.write("cache/models/some.onnx.part", std::string(kHalf, 'x'));
-  EXPECT_TRUE(refuses({"not the model some", "starts anew"}));
-  expect_whole(pull());
-}
-
-TEST_F(PullModel, TakesAPartThatIsWholeAndDropsOneThatIsTooLong) {
-  temporary_.write("cache/models/some.onnx.part", body_);
-  expect_whole(pull());
-  EXPECT_THAT(server_.starts(), ElementsAre());
-  fs::remove(folder_ / "some.onnx");
-  temporary_.write("cache/models/some.onnx.part", body_ + "x");
-  expect_whole(pull());
-}
-
-TEST_F(PullModel, RefusesMoreThanItAskedFor) {
-  server_.behave({.body = body_ + body_});
-  EXPECT_TRUE(refuses({"it sends more than the 200000 bytes"}));
-}
-
-TEST_F(PullModel, TellsAWebPageFromAModel) {
-  server_.behave({.body = "version https://git-lfs.github.com/spec/v1\n"});
-  EXPECT_TRUE(refuses({"it ended after 43 of 200000 bytes"}));
-}
-
-TEST_F(PullModel, SaysThatTheServerHasNoSuchFile) {
-  server_.behave({.body = "", .status = 404});
-  EXPECT_TRUE(refuses({server_.url(), "the server answers 404, no such file", "--url"}));
-  EXPECT_TRUE(is_empty());
-}
-
-TEST_F(PullModel, DoesNotWaitForEver) {
-  server_.behave({.body = body_, .stalls_after = kHalf});
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_TRUE(refuses({"for 1 s; 100000 of 200000 bytes are here"}, 1));
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(8));
-  server_.behave({.body = body_});
-  expect_whole(pull());
-}
-
-TEST_F(PullModel, StopsWhenAskedAndKeepsWhatIsThere) {
-  progress_ = [](std::int64_t done) { return done == 0; };
-  server_.behave({.body = body_, .stalls_after = kHalf});
-  EXPECT_EQ(pull(), std::nullopt);
-  EXPECT_GT(part_size(), 0U);
-  progress_ = nullptr;
-  server_.behave({.body = body_});
-  expect_whole(pull());
-}
-
-TEST_F(PullModel, TriesTheNextAddress) {
-  const std::array<std::string_view, 2> addresses = {"http://127.0.0.1:1/model.onnx", ""};
-  std::array<std::string_view, 2> both = addresses;
-  const std::string second = server_.url();
-  both[1] = second;
-  model_.addresses = both;
-  std::vector<std::string> notes;
-  expect_whole(pull_model(
-      model_, folder_,
-      {.max_lost_frames = 5, .on_note = [&](const std::string& note) { notes.push_back(note); }}));
-  EXPECT_THAT(notes, ElementsAre("from http://127.0.0.1:1/model.onnx",
-                                 ::testing::HasSubstr("cannot be downloaded"), "from " + second));
-}
-
-TEST_F(PullModel, SaysSoOffline) {
-  const auto offline = [&](const std::string& address) {
-    return fails_with(ErrorCode::kModel, {address, "check the network", "--from FILE"}, [&] {
-      (void)pull_model(model_, folder_, {.address = address, .max_lost_frames = 5});
-    });
-  };
-  EXPECT_TRUE(offline("http://127.0.0.1:1/model.onnx"));
-  EXPECT_TRUE(offline("http://no.such.host.invalid/model.onnx"));
-  EXPECT_TRUE(offline("file:///etc/hostname"));
-  EXPECT_TRUE(is_empty());
-}
-
-TEST_F(PullModel, TakesAFileWithoutNetwork) {
-  const fs::path file = temporary_.write("here.onnx", body_);
-  expect_whole(pull_model_from(model_, folder_, file));
-  EXPECT_TRUE(fails_with(ErrorCode::kModel, {"other.onnx: not the model some: 1 bytes"}, [&] {
-    (void)pull_model_from(model_, folder_, temporary_.write("other.onnx", "x"));
-  }));
-  EXPECT_TRUE(fails_with(ErrorCode::kModel, {"none.onnx: no such file"},
-                         [&] { (void)pull_model_from(model_, folder_, "none.onnx"); }));
-  EXPECT_THAT(server_.starts(), ElementsAre());
-}
-
-TEST_F(PullModel, RepairsADamagedFile) {
-  expect_whole(pull());
+TEST_F(ImportKnownModel, RepairsADamagedFile) {
   temporary_.write("cache/models/some.onnx", "damaged");
-  expect_whole(pull());
+  expect_whole(import(temporary_.write("again", body_)));
 }
 
-TEST_F(PullModel, SaysThatTheCacheCannotBeWritten) {
+TEST_F(ImportKnownModel, SaysThatTheCacheCannotBeWritten) {
   folder_ = "/proc/nowhere";
-  EXPECT_TRUE(
-      fails_with(ErrorCode::kOutput, {"/proc/nowhere", "XDG_CACHE_HOME"}, [&] { (void)pull(); }));
+  EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"/proc/nowhere", "XDG_CACHE_HOME"},
+                         [&] { (void)import(temporary_.write("here", body_)); }));
 }
 
 TEST(ModelCatalogue, HasDescriptionsThatCanBeRead) {

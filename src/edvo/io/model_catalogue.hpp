@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Public edge networks that edvo knows where to get and how to use.
+// Public edge networks that edvo knows how to use, and where they can be downloaded.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace edvo {
 
 struct KnownModel {
   std::string_view name;
-  std::span<const std::string_view> addresses;  // tried in this order
+  std::span<const std::string_view> addresses;  // the best first
   std::int64_t bytes = 0;
   std::string_view sha256;
   std::string_view licence;
