@@ -14,17 +14,19 @@ namespace {
 struct Arguments {
   SequenceFlags sequence;
   RunFlags run;
+  Extension::Values extra;  // options of the extension
 };
 
-void run(const Arguments& arguments) {
+void run(const Arguments& arguments, const Extension& extension) {
   const Config config = resolve_config(arguments.run.config);
+  const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
   synth::RenderedSource source(make_sequence(arguments.sequence));
-  run_and_show(source, config, arguments.run);
+  run_and_show(source, config, arguments.run, watcher.get());
 }
 
 }  // namespace
 
-void add_demo_command(CLI::App& program) {
+void add_demo_command(CLI::App& program, const Extension& extension) {
   CLI::App* verb = program.add_subcommand(
       "demo", "Render a room, track the camera through it and write a report; needs no data");
   const auto arguments = std::make_shared<Arguments>();
@@ -34,7 +36,8 @@ void add_demo_command(CLI::App& program) {
   arguments->sequence.options.rate = 15;  // [Hz]
   add_run_flags(*verb, arguments->run);
   add_sequence_flags(*verb, arguments->sequence);
-  verb->callback([arguments] { run(*arguments); });
+  add_extension_options(*verb, extension.watch_options, arguments->extra);
+  verb->callback([arguments, &extension] { run(*arguments, extension); });
 }
 
 }  // namespace edvo::app

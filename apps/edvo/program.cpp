@@ -24,10 +24,18 @@ namespace {
 
 // What the program can do, in the order of its help. A verb is one file,
 // apps/edvo/VERB_command.cpp.
-const std::vector<void (*)(CLI::App&)> kVerbs = {
-    add_run_command,   add_demo_command,   add_synth_command,  add_eval_command,  add_bench_command,
-    add_edges_command, add_models_command, add_config_command, add_cache_command,
-};
+void add_verbs(CLI::App& program, const Extension& extension) {
+  add_run_command(program, extension);
+  add_demo_command(program, extension);
+  add_synth_command(program);
+  add_eval_command(program);
+  add_bench_command(program);
+  add_edges_command(program);
+  add_models_command(program);
+  add_config_command(program);
+  add_cache_command(program);
+  for (const Extension::Verb& verb : extension.verbs) add_extension_verb(program, verb);
+}
 
 // Not an edvo::Error: what the system does not give is neither a bug nor the input's fault.
 constexpr int kNoResourcesStatus = 10;
@@ -63,11 +71,11 @@ void parse(CLI::App& program, std::vector<std::string> arguments) {
   program.parse(arguments);
 }
 
-int run_verb(int argc, char** argv) {
+int run_verb(int argc, char** argv, const Extension& extension) {
   CLI::App program{"Edge-direct visual odometry for RGB-D cameras", "edvo"};
   program.require_subcommand(1);
   program.set_version_flag("--version", "edvo " + this_machine().edvo);
-  for (const auto add : kVerbs) add(program);
+  add_verbs(program, extension);
   const std::vector<std::string> arguments = arguments_of(program, argc, argv);
   try {
     parse(program, arguments);
@@ -83,13 +91,13 @@ int run_verb(int argc, char** argv) {
 
 }  // namespace
 
-int run_program(int argc, char** argv) {
+int run_program(int argc, char** argv, const Extension& extension) {
   leave_on_signals();
   keep_freed_memory();
   // What OpenCV has to say about a network arrives as an error of ours.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {
-    const int status = run_verb(argc, argv);
+    const int status = run_verb(argc, argv, extension);
     finish_printing();
     return status;
   } catch (const Error& error) {

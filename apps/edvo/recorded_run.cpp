@@ -69,7 +69,8 @@ RunDescription describe_run(const SourceInfo& source, const std::string& method,
 }
 
 RecordedRun record_run(RgbdSource& source, const RunDescription& description, const Config& config,
-                       const RunFlags& flags, const std::optional<GroundTruth>& truth) {
+                       const RunFlags& flags, const std::optional<GroundTruth>& truth,
+                       Observer* watcher) {
   take_memory();
   cv::setNumThreads(std::max(1, flags.threads - 1));  // one thread reads ahead
   Warn warn = [](const std::string&) {};
@@ -80,6 +81,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   Observers observers = {&recorder, &progress};
   PointFile points(flags.points);
   if (!flags.points.empty()) observers.push_back(&points);
+  if (watcher != nullptr) observers.push_back(watcher);
   warn = [&](const std::string& text) {
     for (Observer* const observer : observers) observer->warning(text);
   };
@@ -98,14 +100,20 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   return result;
 }
 
-void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags) {
+void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags,
+                  Observer* watcher) {
   const RunDescription description = describe_run(source.info(), method_name(flags), config);
   show_choices(description, flags);
-  const RecordedRun run = record_run(source, description, config, flags);
+  const RecordedRun run = record_run(source, description, config, flags, {}, watcher);
   const bool is_empty = run.failure && run.failure->code() == ErrorCode::kTrackingLost;
   if (!is_empty) show_result(run, flags);
   if (run.failure) throw Error(*run.failure);
   if (run.summary.interrupted) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
+}
+
+std::unique_ptr<Observer> make_observer(const Extension& extension,
+                                        const Extension::Values& values) {
+  return extension.make_observer ? extension.make_observer(values) : nullptr;
 }
 
 }  // namespace edvo::app

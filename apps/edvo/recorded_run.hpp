@@ -5,9 +5,11 @@
 
 #include "edvo/report/summary.hpp"
 #include "edvo/source/rgbd_source.hpp"
+#include "extension.hpp"
 #include "run_flags.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -25,12 +27,19 @@ struct RecordedRun {
 
 // Tracks until the end or a signal to stop, writes the run's folder and evaluates against truth, or
 // the source's own ground truth. Frames that cannot be read or used are skipped and counted.
+// watcher: told as well; null = no one.
 [[nodiscard]] RecordedRun record_run(RgbdSource& source, const RunDescription& description,
                                      const Config& config, const RunFlags& flags,
-                                     const std::optional<GroundTruth>& truth = {});
+                                     const std::optional<GroundTruth>& truth = {},
+                                     Observer* watcher = nullptr);
 
 // All of `edvo run` and `edvo demo` once there is a source: shows what was chosen and the result,
 // then throws the failure if there is one.
-void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags);
+void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags,
+                  Observer* watcher = nullptr);
+
+// Who the extension lets watch, by its options; null = no one.
+[[nodiscard]] std::unique_ptr<Observer> make_observer(const Extension& extension,
+                                                      const Extension::Values& values);
 
 }  // namespace edvo::app

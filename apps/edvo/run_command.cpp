@@ -15,25 +15,37 @@ struct Arguments {
   SequenceChoice sequence;
   std::string camera_size;  // WxH, empty = as the images
   RunFlags run;
+  Extension::Values extra;  // options of the extension
 };
 
-void run(const Arguments& arguments) {
+std::unique_ptr<RgbdSource> open_source(const SequenceChoice& sequence, const Arguments& arguments,
+                                        const Extension& extension) {
+  if (extension.open_source)
+    if (auto source = extension.open_source(sequence, arguments.extra)) return source;
+  return std::make_unique<FolderSource>(open_sequence(sequence, arguments.run.quiet));
+}
+
+void run(const Arguments& arguments, const Extension& extension) {
   const Config config = resolve_config(arguments.run.config);
   SequenceChoice sequence = arguments.sequence;
   if (!arguments.camera_size.empty())
     sequence.camera_size = parse_size("--camera-size", arguments.camera_size);
-  FolderSource source = open_sequence(sequence, arguments.run.quiet);
-  run_and_show(source, config, arguments.run);
+  const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
+  const std::unique_ptr<RgbdSource> source = open_source(sequence, arguments, extension);
+  run_and_show(*source, config, arguments.run, watcher.get());
 }
 
 }  // namespace
 
-void add_run_command(CLI::App& program) {
+void add_run_command(CLI::App& program, const Extension& extension) {
   constexpr std::int64_t kMostFrames = 1'000'000'000;
   const auto arguments = std::make_shared<Arguments>();
   SequenceChoice& sequence = arguments->sequence;
   CLI::App* command = program.add_subcommand("run", "Track an RGB-D sequence and write a report");
-  command->add_option("sequence", sequence.path, "Folder or archive (.tgz, .zip)")
+  command
+      ->add_option("sequence", sequence.path,
+                   extension.open_source ? "Folder, archive, ROS bag or phone's recording"
+                                         : "Folder or archive (.tgz, .zip)")
       ->required()
       ->type_name("SEQUENCE");
   command
@@ -54,7 +66,9 @@ void add_run_command(CLI::App& program) {
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{1}, kMostFrames));
   add_run_flags(*command, arguments->run);
-  command->callback([arguments] { run(*arguments); });
+  add_extension_options(*command, extension.source_options, arguments->extra);
+  add_extension_options(*command, extension.watch_options, arguments->extra);
+  command->callback([arguments, &extension] { run(*arguments, extension); });
 }
 
 }  // namespace edvo::app
