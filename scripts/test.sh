@@ -9,4 +9,5 @@ source scripts/setup.sh
 install_packages
 configure "$@"
 build
-exec ctest --test-dir build --parallel "$(parallel_jobs)" --output-on-failure --no-tests=error
+ctest --test-dir build --parallel "$(parallel_jobs)" --output-on-failure --no-tests=error
+exec scripts/test_python.sh

@@ -11,11 +11,13 @@
 
 from edvo import _core
 from edvo.camera import Camera
+from edvo.doctor import Finding, diagnose
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, Statistics, evaluate
+from edvo.observer import Image, Keyframe, KeyframePose, Observer, SourceInfo
 from edvo.odometry import FrameResult, LevelStats, Odometry, Options
 from edvo.registration import DepthRegistration, register_depth
-from edvo.runner import Observer, Run, run
+from edvo.runner import Run, run
 from edvo.sources import Frame, Source, open_source
 from edvo.trajectory import Trajectory
 
@@ -26,16 +28,22 @@ __all__ = [
     "DepthRegistration",
     "Error",
     "Evaluation",
+    "Finding",
     "Frame",
     "FrameResult",
+    "Image",
+    "Keyframe",
+    "KeyframePose",
     "LevelStats",
     "Observer",
     "Odometry",
     "Options",
     "Run",
     "Source",
+    "SourceInfo",
     "Statistics",
     "Trajectory",
+    "diagnose",
     "evaluate",
     "open_source",
     "register_depth",

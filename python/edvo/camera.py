@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,7 +75,16 @@ class Camera:
 
     def to_toml(self) -> str:
         """The camera as ``edvo run --camera`` reads it, to the last bit."""
-        return _core.camera_to_toml(as_tuple(self))
+        return str(_core.camera_to_toml(as_tuple(self)))
+
+
+def read_scaled(
+    camera: Camera | str | Path, calibrated: tuple[int, int], images: tuple[int, int]
+) -> Camera:
+    """A camera for images of a size, calibrated with those of another; (0, 0) = of the same."""
+    size = calibrated if calibrated != (0, 0) else images
+    read = camera if isinstance(camera, Camera) else Camera.read(camera, *size)
+    return read.scaled_to(*images) if calibrated != (0, 0) else read
 
 
 def as_tuple(camera: Camera) -> CameraTuple:
@@ -90,6 +100,8 @@ def as_tuple(camera: Camera) -> CameraTuple:
     )
 
 
-def from_tuple(values: CameraTuple) -> Camera:
+def from_tuple(
+    values: tuple[float, float, float, float, int, int, Iterable[float], bool],
+) -> Camera:
     fx, fy, cx, cy, width, height, distortion, equidistant = values
     return Camera(fx, fy, cx, cy, width, height, tuple(distortion), equidistant)

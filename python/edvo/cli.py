@@ -1,181 +1,258 @@
 # SPDX-License-Identifier: MIT
-"""The command ``edvo``: the verbs of the C++ program, and those that need Python."""
+"""The command ``edvo``: the C++ program with Python's sources, viewer and verbs."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
 from edvo import _core
 from edvo.errors import Error
-from edvo.runner import Observer, Run, run
-from edvo.sources import open_source, read_by_core
+from edvo.observer import Observer
+from edvo.sources import Source, open_source, read_by_core
 
-PYTHON_VERBS = """
-Verbs of the Python package:
-  run                         also takes ROS bags, RealSense's .bag, phones' recordings
-"""
+FAULTS_FOUND = 1  # exit status of doctor
+Option = tuple[str, str, str]  # name, type of its value ("" = a flag), help
 
-
-def add_source_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("source", metavar="SOURCE", help="folder, archive, ROS bag or phone's export")
-    parser.add_argument("--camera", metavar="FILE", help="calibration of the colour camera")
-    parser.add_argument("--depth-scale", type=float, metavar="UNITS", help="depth units per metre")
-    parser.add_argument("--depth-camera", metavar="FILE", help="calibration of a depth camera")
-    parser.add_argument(
-        "--colour-from-depth", metavar="FILE", help="4 x 4 matrix [m], with --depth-camera"
-    )
-    parser.add_argument("--colour-topic", metavar="TOPIC", help="of a bag")
-    parser.add_argument("--depth-topic", metavar="TOPIC", help="of a bag")
+SOURCE_OPTIONS: list[Option] = [
+    ("--depth-camera", "FILE", "Calibration of a depth camera that is not registered to colour"),
+    ("--colour-from-depth", "FILE", "4 x 4 matrix [m], with --depth-camera"),
+    ("--colour-topic", "TOPIC", "Of a bag; else guessed"),
+    ("--depth-topic", "TOPIC", "Of a bag; else guessed"),
+]
+WATCH_OPTIONS: list[Option] = [
+    ("--view", "", "Show the run in Rerun: a window, or without a display a browser page"),
+    ("--record", "FILE.rrd", "Record the run for Rerun"),
+    ("--mcap", "FILE.mcap", "Write images, poses and points as a ROS 2 recording"),
+]
 
 
-def source_options(arguments: argparse.Namespace) -> dict[str, Any]:
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong as the program does."""
+
+    def error(self, message: str) -> NoReturn:
+        raise Error(f"{message}; see {self.prog} --help", 2)
+
+
+def source_options(values: dict[str, str]) -> dict[str, Any]:
+    """Of ``open_source``, from what stands on the command line."""
     matrix = None
-    if arguments.colour_from_depth is not None:
+    if file := values.get("--colour-from-depth"):
         try:
-            matrix = np.loadtxt(arguments.colour_from_depth).reshape(4, 4)
+            matrix = np.loadtxt(file).reshape(4, 4)
         except (OSError, ValueError) as error:
-            raise Error(f"{arguments.colour_from_depth}: no 4 x 4 matrix: {error}", 2) from None
+            raise Error(f"{file}: no 4 x 4 matrix: {error}", 2) from None
     return {
-        "camera": arguments.camera,
-        "depth_scale": arguments.depth_scale,
-        "depth_camera": arguments.depth_camera,
+        "depth_camera": values.get("--depth-camera"),
         "colour_from_depth": matrix,
-        "colour_topic": arguments.colour_topic,
-        "depth_topic": arguments.depth_topic,
+        "colour_topic": values.get("--colour-topic"),
+        "depth_topic": values.get("--depth-topic"),
     }
 
 
-class Progress(Observer):
-    """One line on a terminal."""
+class Host:
+    """What the C++ program asks Python for; see apps/edvo/extension.hpp."""
+
+    source_options = SOURCE_OPTIONS
+    watch_options = WATCH_OPTIONS
 
     def __init__(self) -> None:
-        self.count = 0
+        self.verbs: list[tuple[str, str, Callable[[list[str]], int]]] = [
+            ("doctor", "Measure the usual faults of a recording and say what mends them", verb(doctor)),
+            ("export", "Write a trajectory as TUM, KITTI, EuRoC or MCAP", verb(export)),
+            ("pull", "Download a public sequence or DexiNed into the cache", verb(pull)),
+            ("view", "Show a finished run in Rerun", verb(view)),
+        ]
 
-    def frame(self, result: Any, frame: Any) -> None:
-        self.count += 1
-        if self.count % 10 == 0:
-            print(f"\r{self.count} frames, {result.status}   ", end="", file=sys.stderr)
-
-    def end(self, run: Run) -> None:
-        print("\r\x1b[K", end="", file=sys.stderr)
-
-
-def show(result: Run, as_json: bool) -> None:
-    evaluation = result.evaluation
-    if as_json:
-        summary: dict[str, Any] = {
-            "source": result.source,
-            "tracked": result.tracked,
-            "lost": result.lost,
-            "skipped": result.skipped,
-            "keyframes": len(result.keyframes),
-            "interrupted": result.interrupted,
-        }
-        if evaluation is not None:
-            summary["ate_rmse"] = evaluation.ate.rmse
-            summary["protocol"] = evaluation.protocol
-        print(json.dumps(summary, indent=2))
-        return
-    print(f"frames     {result.tracked} tracked, {result.lost} lost, {len(result.skipped)} skipped")
-    print(f"keyframes  {len(result.keyframes)}")
-    if evaluation is None:
-        print(f"no evaluation: {result.no_evaluation}")
-        return
-    print(f"ATE        {evaluation.ate.rmse:.5f} m")
-    if evaluation.rpe_translation is not None and evaluation.rpe_rotation is not None:
-        print(
-            f"RPE        {evaluation.rpe_translation.rmse:.5f} m/s, "
-            f"{evaluation.rpe_rotation.rmse:.5f} deg/s"
+    def open_source(
+        self,
+        path: str,
+        camera: str | None,
+        camera_size: tuple[int, int],
+        depth_scale: float | None,
+        values: dict[str, str],
+    ) -> Source | None:
+        """None: the C++ library opens it, or says why not."""
+        if read_by_core(path) and not any(name in values for name, _, _ in SOURCE_OPTIONS):
+            return None
+        return open_source(
+            path,
+            camera=camera,
+            camera_size=camera_size,
+            depth_scale=depth_scale,
+            **source_options(values),
         )
-    print(evaluation.protocol)
+
+    def make_observers(self, values: dict[str, str]) -> list[Observer]:
+        observers: list[Observer] = []
+        if "--view" in values or "--record" in values:
+            from edvo.view import RerunObserver
+
+            observers.append(RerunObserver(values.get("--record"), live="--view" in values))
+        if file := values.get("--mcap"):
+            from edvo.mcap_file import McapObserver
+
+            observers.append(McapObserver(file))
+        return observers
 
 
-def run_source(words: list[str]) -> int:
-    parser = argparse.ArgumentParser("edvo run", description="Tracks a recording.")
-    add_source_flags(parser)
-    parser.add_argument("--method", default=_core.default_method)
-    parser.add_argument("--set", action="append", default=[], metavar="group.field=value")
-    parser.add_argument("--max-frames", type=int, metavar="N")
-    parser.add_argument("-o", "--output", metavar="DIR", help="folder for the trajectories")
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--quiet", action="store_true")
-    arguments = parser.parse_args(words)
-    source = open_source(arguments.source, **source_options(arguments))
-    if not arguments.quiet:
-        print(f"sequence  {source.origin}", file=sys.stderr)
-        for note in source.notes:
-            print(f"note: {note}", file=sys.stderr)
-    for warning in source.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
-    changes = dict(text.partition("=")[::2] for text in arguments.set)
-    observers: list[Observer] = []
-    if not arguments.quiet and sys.stderr.isatty():
-        observers.append(Progress())
-    result = run(
-        source,
-        method=arguments.method,
-        observers=observers,
-        max_frames=arguments.max_frames,
-        **{name: literal(value) for name, value in changes.items()},
+def verb(function: Callable[[list[str]], int]) -> Callable[[list[str]], int]:
+    """With ctrl-C as in Python, and argparse's exits as a status."""
+
+    def call(words: list[str]) -> int:
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            return function(words)
+        except SystemExit as leave:
+            return leave.code if isinstance(leave.code, int) else 0
+        except KeyboardInterrupt:
+            return 130
+        finally:
+            sys.stdout.flush()
+            signal.signal(signal.SIGINT, before)
+
+    return call
+
+
+def add_source_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("source", metavar="SOURCE", help="folder, archive, bag or phone's recording")
+    parser.add_argument("--camera", metavar="FILE", help="calibration of the colour camera")
+    parser.add_argument("--depth-scale", type=float, metavar="UNITS", help="depth units per metre")
+    for name, kind, text in SOURCE_OPTIONS:
+        parser.add_argument(name, metavar=kind, help=text)
+
+
+def open_named(arguments: argparse.Namespace) -> Source:
+    """The source of add_source_arguments()."""
+    values = {
+        name: getattr(arguments, name[2:].replace("-", "_")) for name, _, _ in SOURCE_OPTIONS
+    }
+    given = {name: value for name, value in values.items() if value is not None}
+    return open_source(
+        arguments.source,
+        camera=arguments.camera,
+        depth_scale=arguments.depth_scale,
+        **source_options(given),
     )
-    show(result, arguments.json)
-    folder = Path(arguments.output or Path("runs") / source.name)
-    result.write(folder)
-    if not arguments.json:
-        print(f"\nwritten to {folder}")
-    if result.interrupted:
-        return 130
-    if result.tracked == 0:
-        raise Error(f"{source.origin}: none of {len(result.frames)} frames could be tracked", 9)
+
+
+def doctor(words: list[str]) -> int:
+    from edvo.doctor import diagnose
+
+    parser = Parser("edvo doctor", description="Measures the usual faults of a recording.")
+    add_source_arguments(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--no-tracking", action="store_true", help="do not track: leaves out the mirrored image"
+    )
+    arguments = parser.parse_args(words)
+    source = open_named(arguments)
+    findings = diagnose(source, motion_too=not arguments.no_tracking)
+    faults = [finding for finding in findings if finding.verdict == "fault"]
+    if arguments.json:
+        report = {
+            "source": source.origin,
+            "camera": source.camera_origin,
+            "faults": len(faults),
+            "findings": [finding.to_dict() for finding in findings],
+        }
+        print(json.dumps(report, indent=2))
+        return FAULTS_FOUND if faults else 0
+    for note in source.notes:
+        print(f"note: {note}", file=sys.stderr)
+    for finding in faults:
+        print(f"FAULT    {finding.fault}: {finding.measured}\n         {finding.advice}")
+    for finding in findings:
+        if finding.verdict != "fault":
+            print(f"{finding.verdict:<8} {finding.fault}: {finding.measured}")
+    count = f"{len(faults)} fault{'' if len(faults) == 1 else 's'} found" if faults else "no fault found"
+    print(f"{source.name}: {count}")
+    return FAULTS_FOUND if faults else 0
+
+
+def pull(words: list[str]) -> int:
+    from edvo import pulling
+
+    parser = Parser(
+        "edvo pull",
+        description="Downloads public sequences and models into the cache, checks them, and goes on "
+        "where it was stopped.",
+    )
+    parser.add_argument("name", nargs="?", metavar="NAME", help="none: list what is known")
+    parser.add_argument("--list", action="store_true", help="list what is known and what is there")
+    parser.add_argument("--url", help="take this address")
+    parser.add_argument("--timeout", type=float, default=30, metavar="SECONDS")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    arguments = parser.parse_args(words)
+    if arguments.list or arguments.name is None:
+        for line in pulling.listing():
+            print(line)
+        return 0
+    place = pulling.pull(
+        arguments.name, url=arguments.url, timeout=arguments.timeout, quiet=arguments.quiet
+    )
+    print(place)
     return 0
 
 
-def literal(text: str) -> bool | int | float | str:
-    if text in ("true", "false"):
-        return text == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
+def export(words: list[str]) -> int:
+    from edvo.trajectory import FORMATS, Trajectory
+
+    parser = Parser(
+        "edvo export", description="Writes a run's trajectory, or a file's, in another format."
+    )
+    parser.add_argument("source", metavar="RUN|FILE", help="a run's folder or a trajectory file")
+    parser.add_argument("file", metavar="OUT", help="the file to write")
+    parser.add_argument(
+        "--format", choices=FORMATS, help="default: mcap for .mcap, euroc for .csv, else tum"
+    )
+    arguments = parser.parse_args(words)
+    source = Path(arguments.source)
+    trajectory = Trajectory.read(source / "trajectory.tum" if source.is_dir() else source)
+    chosen = arguments.format or {".mcap": "mcap", ".csv": "euroc"}.get(
+        Path(arguments.file).suffix, "tum"
+    )
+    trajectory.write(arguments.file, format=chosen)
+    return 0
 
 
-def source_in(words: list[str]) -> str | None:
-    """The first word that is a file or a folder."""
-    return next((word for word in words if word[:1] != "-" and Path(word).exists()), None)
+def view(words: list[str]) -> int:
+    parser = Parser("edvo view", description="Shows a finished run in Rerun.")
+    parser.add_argument("run", metavar="RUN", help="folder that edvo run wrote, or its .rrd file")
+    parser.add_argument("--record", metavar="FILE.rrd", help="write a file instead of showing it")
+    arguments = parser.parse_args(words)
+    from edvo.view import show_file, show_run
+
+    if Path(arguments.run).suffix == ".rrd":
+        show_file(Path(arguments.run))
+    else:
+        show_run(Path(arguments.run), arguments.record)
+    return 0
 
 
-def dispatch(words: list[str]) -> int:
-    if words[:1] == ["run"]:
-        source = source_in(words[1:])
-        own_flags = ("--depth-camera", "--colour-topic", "--depth-topic", "--colour-from-depth")
-        wants_python = any(word.split("=")[0] in own_flags for word in words)
-        if wants_python or (source is not None and not read_by_core(source)):
-            return run_source(words[1:])
-    status = int(_core.main(["edvo", *words]))
-    if words in (["--help"], ["-h"]):
-        print(PYTHON_VERBS, end="")
-    return status
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE, signal.SIGXFSZ)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs ``edvo ARGUMENTS`` and returns its exit status (docs/errors.md)."""
+    """Runs ``edvo ARGUMENTS`` and returns its exit status (docs/errors.md).
+
+    Signals are the program's meanwhile; call it in the main thread.
+    """
+    words = sys.argv[1:] if arguments is None else arguments
+    before = {number: signal.getsignal(number) for number in SIGNALS}
+    sys.stdout.flush()
     try:
-        return dispatch(sys.argv[1:] if arguments is None else arguments)
-    except Error as error:
-        print(f"edvo: {error}", file=sys.stderr)
-        return error.code
-    except BrokenPipeError:
-        return 1
-    except KeyboardInterrupt:
-        return 130
+        return int(_core.main(["edvo", *words], Host()))
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from edvo.runner import Run
+
 
 class Error(RuntimeError):
     """Bad input from outside, said as what, where and which value.
@@ -14,6 +19,7 @@ class Error(RuntimeError):
     def __init__(self, message: str, code: int = 1) -> None:
         super().__init__(message)
         self.code = code
+        self.run: Run | None = None  # of edvo.run: what was done until then
 
     def __reduce__(self) -> tuple[type[Error], tuple[str, int]]:
         return Error, (str(self), self.code)

@@ -71,8 +71,10 @@ def evaluate(
     fields: dict[str, Any] = _core.evaluate(
         a.stamps_ns,
         a.values,
+        a.segments,
         b.stamps_ns,
         b.values,
+        b.segments,
         align,
         protocol,
         delta,

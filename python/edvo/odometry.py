@@ -173,10 +173,8 @@ class Odometry:
 
     def trajectory(self) -> Trajectory:
         """The best present estimate of every tracked frame; later frames may still change it."""
-        stamps, decimals, values = self._core.trajectory()
-        return Trajectory(stamps, values, decimals)
+        return Trajectory._from_arrays(self._core.trajectory())
 
     def keyframes(self) -> Trajectory:
         """The keyframes' poses."""
-        stamps, decimals, values = self._core.keyframes()
-        return Trajectory(stamps, values, decimals)
+        return Trajectory._from_arrays(self._core.keyframes())

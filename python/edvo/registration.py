@@ -39,7 +39,7 @@ class DepthRegistration:
         image = check_depth(depth, self.depth.width, self.depth.height)
         if image.dtype != np.float32:
             raise TypeError("depth: float32 in metres is expected; divide by the units per metre")
-        return self._core.register(image)
+        return np.asarray(self._core.register(image))
 
 
 def register_depth(

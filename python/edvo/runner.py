@@ -3,107 +3,81 @@
 
 from __future__ import annotations
 
-import queue
-import threading
-from collections.abc import Iterable, Iterator
-from contextlib import closing
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from edvo import _core
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, evaluate
-from edvo.odometry import FrameResult, Odometry, Options, Value
-from edvo.sources import Frame, Source, open_source
+from edvo.observer import Observer, SourceInfo, source_info
+from edvo.odometry import FrameResult, Options, Value, result_from
+from edvo.sources import Source, open_source
 from edvo.trajectory import Trajectory
-
-AHEAD = 6  # frames read before their turn
-
-
-class Observer:
-    """Watches a run: subclass it and override what is of interest. Values cannot be changed."""
-
-    def begin(self, source: Source) -> None:
-        """Before the first frame."""
-
-    def frame(self, result: FrameResult, frame: Frame) -> None:
-        """A frame was processed: tracked or lost."""
-
-    def skipped(self, frame: Frame, reason: str) -> None:
-        """A frame could not be used."""
-
-    def end(self, run: Run) -> None:
-        """After the last frame, also of a run that was interrupted."""
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """What a run leaves."""
 
-    source: str
+    source: SourceInfo
     trajectory: Trajectory  # as known at the end; lost frames left out
-    keyframes: Trajectory
+    online: Trajectory  # each pose as known when its frame was processed
+    keyframes: Trajectory  # as known at the end
     frames: list[FrameResult]  # as known at the time
-    skipped: list[str]  # why, one for each frame that could not be used
-    evaluation: Evaluation | None  # against the source's ground truth, by the TUM protocol
-    no_evaluation: str = ""  # why there is none
+    skipped: list[str]  # why, one for each frame that could not be read or used
+    counts: dict[str, int]  # tracked, lost, restarted, relocalized, skipped, dropped, segments
+    wall_seconds: float  # from the first frame asked for to the last pose
     interrupted: bool = False  # by ctrl-C
-    notes: list[str] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
+    error: Error | None = None  # that ended it before the last frame
 
     @property
     def tracked(self) -> int:
-        return sum(result.ok for result in self.frames)
+        return self.counts["tracked"]
 
     @property
     def lost(self) -> int:
-        return len(self.frames) - self.tracked
+        return self.counts["lost"]
+
+    @cached_property
+    def evaluation(self) -> Evaluation | None:
+        """Against the source's ground truth, by the TUM protocol; None without one, or where the
+        two cannot be compared (``edvo.evaluate`` says why)."""
+        truth = self.source.ground_truth
+        if truth is None or len(self.trajectory) == 0:
+            return None
+        try:
+            due = len(self.frames) + len(self.skipped)
+            return evaluate(truth, self.trajectory, frames=due)
+        except Error:
+            return None
 
     def write(self, folder: str | Path) -> None:
-        """trajectory.tum and keyframes.tum into a folder."""
+        """trajectory.tum, trajectory_online.tum and keyframes.tum into a folder; ``output`` of
+        ``edvo.run`` writes all that the program does."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         self.trajectory.write(place / "trajectory.tum")
+        self.online.write(place / "trajectory_online.tum")
         self.keyframes.write(place / "keyframes.tum")
 
 
-def read_ahead(frames: Iterable[Frame], size: int = AHEAD) -> Iterator[Frame]:
-    """The same frames, read by a thread of its own; closing it ends the thread."""
-    waiting: queue.Queue[Any] = queue.Queue(size)
-    stop = threading.Event()
-
-    def put(item: Any) -> None:
-        while not stop.is_set():
-            try:
-                waiting.put(item, timeout=0.1)
-                return
-            except queue.Full:
-                continue
-
-    def read() -> None:
-        try:
-            for frame in frames:
-                put((frame, None))
-                if stop.is_set():
-                    return
-            put((None, None))
-        except BaseException as error:  # noqa: BLE001: handed to who asks for the next frame
-            put((None, error))
-
-    thread = threading.Thread(target=read, daemon=True)
-    thread.start()
-    try:
-        while True:
-            frame, error = waiting.get()
-            if error is not None:
-                raise error
-            if frame is None:
-                return
-            yield frame
-    finally:
-        stop.set()
-        thread.join()
+def run_from(fields: dict[str, Any]) -> Run:
+    error = fields["error"]
+    return Run(
+        source=source_info(fields["source"]),
+        trajectory=Trajectory._from_arrays(fields["trajectory"]),
+        online=Trajectory._from_arrays(fields["online"]),
+        keyframes=Trajectory._from_arrays(fields["keyframes"]),
+        frames=[result_from(result) for result in fields["frames"]],
+        skipped=fields["skipped"],
+        counts=fields["counts"],
+        wall_seconds=fields["wall_seconds"],
+        interrupted=fields["interrupted"],
+        error=None if error is None else Error(*error),
+    )
 
 
 def run(
@@ -113,75 +87,40 @@ def run(
     method: str = _core.default_method,
     observers: Iterable[Observer] = (),
     max_frames: int | None = None,
+    threads: int = 2,
+    output: str | Path | None = None,
+    force: bool = False,
     source_options: dict[str, Any] | None = None,
     **changes: Value,
 ) -> Run:
-    """Tracks every frame of a recording and compares the path with ground truth, if there is any.
+    """Tracks every frame of a recording, as ``edvo run`` does, to the same bits.
 
     ``source``: a ``Source``, or a path for ``open_source`` with ``source_options``. ``options``, or
-    ``method`` and keywords "group.field", as for ``Odometry``. Frames that cannot be used are
-    skipped and counted; ctrl-C ends the run, whose results so far are its results.
+    ``method`` and keywords "group.field", as for ``Odometry``. ``threads``: one of them tracks, the
+    others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), replaced
+    with ``force``. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
+    whose results so far are its results. If the source fails on the way, raises ``edvo.Error``
+    whose ``run`` has what was done until then.
     """
+    if options is not None and (changes or method != _core.default_method):
+        raise ValueError("give options, or a method and keywords, not both")
+    if max_frames is not None and max_frames < 1:
+        raise ValueError(f"max_frames {max_frames}: at least 1")
     opened = source if isinstance(source, Source) else open_source(source, **source_options or {})
-    watchers = list(observers)
-    odometry = Odometry(opened.camera, options, method=method, **changes)
-    for watcher in watchers:
-        watcher.begin(opened)
-    results: list[FrameResult] = []
-    skipped: list[str] = []
-    interrupted = False
-    try:
-        with closing(read_ahead(opened)) as frames:  # type: ignore[type-var]
-            for count, frame in enumerate(frames):
-                if max_frames is not None and count >= max_frames:
-                    break
-                try:
-                    result = odometry.process_ns(
-                        frame.stamp_ns, frame.decimals, frame.rgb, frame.depth
-                    )
-                except (Error, ValueError) as error:
-                    skipped.append(f"frame {count}: {error}")
-                    for watcher in watchers:
-                        watcher.skipped(frame, str(error))
-                    continue
-                results.append(result)
-                for watcher in watchers:
-                    watcher.frame(result, frame)
-    except KeyboardInterrupt:
-        interrupted = True
-    finished = finish(opened, odometry, results, skipped, interrupted)
-    for watcher in watchers:
-        watcher.end(finished)
-    return finished
-
-
-def finish(
-    source: Source,
-    odometry: Odometry,
-    results: list[FrameResult],
-    skipped: list[str],
-    interrupted: bool,
-) -> Run:
-    odometry.finish()
-    trajectory = odometry.trajectory()
-    evaluation, reason = None, "no ground truth"
-    if source.ground_truth is not None and len(trajectory):
-        try:
-            evaluation = evaluate(
-                source.ground_truth, trajectory, frames=len(results) + len(skipped)
-            )
-            reason = ""
-        except Error as error:
-            reason = str(error)
-    return Run(
-        source=source.origin or source.name,
-        trajectory=trajectory,
-        keyframes=odometry.keyframes(),
-        frames=results,
-        skipped=skipped,
-        evaluation=evaluation,
-        no_evaluation=reason,
-        interrupted=interrupted,
-        notes=list(source.notes),
-        warnings=list(source.warnings),
+    chosen = options if options is not None else Options(method, **changes)
+    result = run_from(
+        _core.run(
+            opened,
+            list(observers),
+            chosen.method,
+            list(chosen.changes),
+            threads,
+            None if output is None else Path(output),
+            force,
+            max_frames or 0,
+        )
     )
+    if result.error is not None:
+        result.error.run = result
+        raise result.error
+    return result

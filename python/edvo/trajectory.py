@@ -3,26 +3,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from edvo import _core
+from edvo.errors import Error
 
 
-@dataclass(frozen=True)
+FORMATS = ("tum", "kitti", "euroc", "mcap")
+# Stamps [ns], decimals, poses, segments: as _core has them.
+Arrays = tuple[NDArray[np.int64], int, NDArray[np.float64], NDArray[np.int64]]
+
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Poses of the camera in the world (world_from_camera), ordered by stamp.
 
     ``stamps_ns``: N, [ns]. ``values``: N x 7, tx ty tz [m] qx qy qz qw. ``decimals``: digits after
-    the point with which a text file keeps the stamps.
+    the point with which a text file keeps the stamps. ``segments``: N; between poses of two
+    segments no motion is known.
     """
 
     stamps_ns: NDArray[np.int64]
     values: NDArray[np.float64]
     decimals: int = 9
+    segments: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __len__(self) -> int:
         return len(self.stamps_ns)
@@ -32,8 +40,22 @@ class Trajectory:
         values = np.ascontiguousarray(self.values, np.float64).reshape(-1, 7)
         if len(stamps) != len(values):
             raise ValueError(f"{len(stamps)} stamps, but {len(values)} poses")
+        segments = np.ascontiguousarray(self.segments, np.int64)
+        if len(segments) == 0:
+            segments = np.zeros(len(stamps), np.int64)
+        if len(segments) != len(stamps):
+            raise ValueError(f"{len(stamps)} poses, but {len(segments)} segments")
         object.__setattr__(self, "stamps_ns", stamps)
+        object.__setattr__(self, "segments", segments)
         object.__setattr__(self, "values", values)
+
+    def _arrays(self) -> Arrays:
+        return self.stamps_ns, self.decimals, self.values, self.segments
+
+    @staticmethod
+    def _from_arrays(arrays: Arrays) -> Trajectory:
+        stamps, decimals, values, segments = arrays
+        return Trajectory(stamps, values, decimals, segments)
 
     @property
     def stamps(self) -> NDArray[np.float64]:
@@ -83,18 +105,26 @@ class Trajectory:
     @staticmethod
     def read(file: str | Path) -> Trajectory:
         """A text file, one "stamp tx ty tz qx qy qz qw" a line (TUM)."""
-        (stamps, decimals, values), _ = _core.read_trajectory(Path(file))
-        return Trajectory(stamps, values, decimals)
+        arrays, _ = _core.read_trajectory(Path(file))
+        return Trajectory._from_arrays(arrays)
 
     def write(self, file: str | Path, format: str = "tum") -> None:
-        """Writes a text file: "tum", "kitti" (3 x 4 matrices, no stamps) or "euroc" (csv)."""
-        writers = {"tum": self._write_tum, "kitti": self._write_kitti, "euroc": self._write_euroc}
-        if format not in writers:
-            raise ValueError(f"format {format!r}: unknown, one of {', '.join(writers)}")
-        writers[format](Path(file))
+        """Writes a file: "tum", "kitti" (3 x 4 matrices, no stamps), "euroc" (csv) or "mcap" (ROS 2:
+        TF and a path; needs edvo[ros])."""
+        if format not in FORMATS:
+            raise ValueError(f"format {format!r}: unknown, one of {', '.join(FORMATS)}")
+        try:
+            getattr(self, f"_write_{format}")(Path(file))
+        except OSError as error:
+            raise Error(f"{file}: cannot be written: {error.strerror}", 7) from None
+
+    def _write_mcap(self, file: Path) -> None:
+        from edvo.mcap_file import write_path
+
+        write_path(file, self)
 
     def _write_tum(self, file: Path) -> None:
-        _core.write_trajectory(file, self.stamps_ns, self.decimals, self.values)
+        _core.write_trajectory(file, *self._arrays())
 
     def _write_kitti(self, file: Path) -> None:
         rows = self.poses[:, :3, :].reshape(-1, 12)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "edvo/core/camera.hpp"
+#include "edvo/odometry/odometry.hpp"
 #include "numpy.hpp"
 
 #include <nanobind/nanobind.h>
@@ -11,15 +12,27 @@
 #include <nanobind/stl/tuple.h>
 
 #include <array>
+#include <memory>
+#include <string>
 #include <tuple>
+#include <vector>
 
 namespace edvo::python {
 
 void add_odometry(nb::module_& module);
 void add_evaluation(nb::module_& module);
 void add_files(nb::module_& module);
+void add_observers(nb::module_& module);
 void add_registration(nb::module_& module);
+void add_run(nb::module_& module);
 void add_program(nb::module_& module);
+
+// The options of a method after changes spelled "group.field=value".
+[[nodiscard]] Config config_of(const std::string& method, const std::vector<std::string>& changes);
+
+// None where the method uses no network.
+[[nodiscard]] std::unique_ptr<EdgeDetector> detector_of(const Config& config,
+                                                        const DistortedCamera& camera);
 
 // fx, fy, cx, cy [px], width, height [px], distortion, whether the lens is equidistant.
 using CameraTuple =

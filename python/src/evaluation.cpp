@@ -79,7 +79,8 @@ void add_evaluation(nb::module_& module) {
   module.def(
       "evaluate",
       [](const StampArray& truth_stamps, const PoseArray& truth_poses,
-         const StampArray& estimate_stamps, const PoseArray& estimate_poses,
+         const StampArray& truth_segments, const StampArray& estimate_stamps,
+         const PoseArray& estimate_poses, const StampArray& estimate_segments,
          const std::string& alignment, const std::string& protocol, const std::string& delta,
          double max_difference, double offset, int max_pairs, std::uint64_t seed, int frames) {
         constexpr int kDecimals = 9;
@@ -93,13 +94,16 @@ void add_evaluation(nb::module_& module) {
         Evaluation evaluation;
         {
           const nb::gil_scoped_release release;
-          evaluation = evaluate(to_trajectory(truth_stamps, kDecimals, truth_poses),
-                                to_trajectory(estimate_stamps, kDecimals, estimate_poses), options);
+          evaluation =
+              evaluate(to_trajectory(truth_stamps, kDecimals, truth_poses, truth_segments),
+                       to_trajectory(estimate_stamps, kDecimals, estimate_poses, estimate_segments),
+                       options);
         }
         return evaluation_dict(evaluation);
       },
-      "truth_stamps"_a, "truth_poses"_a, "estimate_stamps"_a, "estimate_poses"_a, "align"_a,
-      "protocol"_a, "delta"_a, "max_difference"_a, "offset"_a, "max_pairs"_a, "seed"_a, "frames"_a);
+      "truth_stamps"_a, "truth_poses"_a, "truth_segments"_a, "estimate_stamps"_a,
+      "estimate_poses"_a, "estimate_segments"_a, "align"_a, "protocol"_a, "delta"_a,
+      "max_difference"_a, "offset"_a, "max_pairs"_a, "seed"_a, "frames"_a);
 }
 
 }  // namespace edvo::python

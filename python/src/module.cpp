@@ -3,6 +3,7 @@
 // in python/edvo.
 #include "bindings.hpp"
 #include "edvo/core/error.hpp"
+#include "source.hpp"
 
 #include <exception>
 
@@ -29,6 +30,9 @@ NB_MODULE(_core, module) {
   edvo::python::add_odometry(module);
   edvo::python::add_evaluation(module);
   edvo::python::add_files(module);
+  edvo::python::add_source(module);
+  edvo::python::add_observers(module);
+  edvo::python::add_run(module);
   edvo::python::add_registration(module);
   edvo::python::add_program(module);
 }

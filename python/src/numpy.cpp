@@ -72,25 +72,30 @@ nb::object numpy_depth(const cv::Mat_<float>& depth) {
 nb::tuple numpy_trajectory(const Trajectory& trajectory) {
   std::vector<std::int64_t> nanoseconds;
   std::vector<double> poses;
+  std::vector<std::int64_t> segments;
   int decimals = 0;
   for (const StampedPose& pose : trajectory) {
     nanoseconds.push_back(pose.stamp.nanoseconds);
+    segments.push_back(pose.segment);
     decimals = std::max(decimals, pose.stamp.decimals);
     const Eigen::Vector3d& t = pose.world_from_camera.translation;
     const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
     poses.insert(poses.end(), {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
   }
   return nb::make_tuple(numpy_array(std::move(nanoseconds), {trajectory.size()}), decimals,
-                        numpy_array(std::move(poses), {trajectory.size(), 7}));
+                        numpy_array(std::move(poses), {trajectory.size(), 7}),
+                        numpy_array(std::move(segments), {trajectory.size()}));
 }
 
-Trajectory to_trajectory(const StampArray& nanoseconds, int decimals, const PoseArray& poses) {
+Trajectory to_trajectory(const StampArray& nanoseconds, int decimals, const PoseArray& poses,
+                         const StampArray& segments) {
   Trajectory trajectory;
   for (std::size_t i = 0; i < nanoseconds.shape(0); ++i) {
     const double* const p = poses.data() + 7 * i;
     trajectory.push_back({.stamp = {nanoseconds.data()[i], decimals},
                           .world_from_camera = {.rotation = {p[6], p[3], p[4], p[5]},
-                                                .translation = {p[0], p[1], p[2]}}});
+                                                .translation = {p[0], p[1], p[2]}},
+                          .segment = static_cast<int>(segments.data()[i])});
   }
   return trajectory;
 }

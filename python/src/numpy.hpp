@@ -49,9 +49,9 @@ template <typename T>
 [[nodiscard]] cv::Mat_<float> to_depth(const UnitArray& raw, double units_per_metre);
 [[nodiscard]] nb::object numpy_depth(const cv::Mat_<float>& depth);
 
-// Stamps [ns], their decimals, poses as N x 7: tx ty tz [m] qx qy qz qw.
+// Stamps [ns], their decimals, poses as N x 7: tx ty tz [m] qx qy qz qw, segments.
 [[nodiscard]] nb::tuple numpy_trajectory(const Trajectory& trajectory);
 [[nodiscard]] Trajectory to_trajectory(const StampArray& nanoseconds, int decimals,
-                                       const PoseArray& poses);
+                                       const PoseArray& poses, const StampArray& segments);
 
 }  // namespace edvo::python

@@ -5,6 +5,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/features/edge_strength.hpp"
 #include "edvo/network/edge_network.hpp"
+#include "observers.hpp"
 
 #include <fmt/core.h>
 #include <nanobind/stl/optional.h>
@@ -27,21 +28,6 @@ Method method_named(const std::string& wanted) {
   throw Error(ErrorCode::kConfig, fmt::format("method {}: unknown, one of {}", wanted, known));
 }
 
-// The options of a method after changes spelled "group.field=value".
-Config config_of(const std::string& method, const std::vector<std::string>& changes) {
-  Config config = preset(method_named(method));
-  for (const std::string& change : changes) set_option(config, change);
-  check(config);
-  return config;
-}
-
-// None where the method uses no network.
-std::unique_ptr<EdgeDetector> detector_of(const Config& config, const DistortedCamera& camera) {
-  if (config.edge.detector != Detector::kNetwork) return nullptr;
-  const cv::Size size(camera.pinhole.width, camera.pinhole.height);
-  return make_strength_detector(open_network(config.network, size), config.network);
-}
-
 nb::dict level_dict(const LevelStats& level) {
   nb::dict values;
   values["level"] = level.level;
@@ -62,6 +48,21 @@ nb::dict times_dict(const StageTimes& times) {
   values["window"] = times.window;
   values["total"] = times.total;
   return values;
+}
+
+}  // namespace
+
+Config config_of(const std::string& method, const std::vector<std::string>& changes) {
+  Config config = preset(method_named(method));
+  for (const std::string& change : changes) set_option(config, change);
+  check(config);
+  return config;
+}
+
+std::unique_ptr<EdgeDetector> detector_of(const Config& config, const DistortedCamera& camera) {
+  if (config.edge.detector != Detector::kNetwork) return nullptr;
+  const cv::Size size(camera.pinhole.width, camera.pinhole.height);
+  return make_strength_detector(open_network(config.network, size), config.network);
 }
 
 // The fields of edvo.FrameResult.
@@ -87,6 +88,8 @@ nb::dict result_dict(const FrameResult& result) {
   values["milliseconds"] = times_dict(result.milliseconds);
   return values;
 }
+
+namespace {
 
 // Copies the image and tracks it while other Python threads run.
 template <typename DepthOf>

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ import pytest
 import edvo
 from edvo import _core
 from edvo.sources import FolderSource
+from planted import Memory, changed  # noqa: F401: for the tests
 
 SIZE = (320, 240)
 
@@ -35,26 +35,3 @@ def frames(sequence: Path) -> list[edvo.Frame]:
 @pytest.fixture(scope="session")
 def camera(sequence: Path) -> edvo.Camera:
     return FolderSource(sequence).camera
-
-
-class Memory(edvo.Source):
-    """Frames from a list."""
-
-    def __init__(self, camera: edvo.Camera, frames: list[edvo.Frame], truth: object = None) -> None:
-        super().__init__()
-        self.camera = camera
-        self.name = self.origin = "memory"
-        self.list = frames
-        self.frames = len(frames)
-        self.ground_truth = truth  # type: ignore[assignment]
-
-    def __iter__(self):  # type: ignore[no-untyped-def]
-        return iter(self.list)
-
-
-def changed(frames: list[edvo.Frame], **changes: object) -> list[edvo.Frame]:
-    """The frames with functions applied to fields: depth=lambda depth: ..."""
-    return [
-        replace(frame, **{name: change(getattr(frame, name)) for name, change in changes.items()})  # type: ignore[operator]
-        for frame in frames
-    ]

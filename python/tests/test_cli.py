@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -18,7 +19,8 @@ def edvo_command(*arguments: str, **options: object) -> subprocess.CompletedProc
 
 def test_all_verbs_of_the_program_are_there() -> None:
     text = edvo_command("--help").stdout
-    for verb in ("run", "demo", "synth", "eval", "bench", "edges", "models", "config"):
+    assert text.count("\n  run ") == 1
+    for verb in ("run", "demo", "synth", "eval", "bench", "edges", "models", "config", "doctor", "pull", "view"):
         assert f"\n  {verb} " in text, verb
 
 
@@ -40,12 +42,51 @@ def test_a_missing_extra_gives_one_sentence_with_the_command(tmp_path: Path) -> 
     )
 
 
-def test_the_command_runs_a_source_of_python(
-    sequence: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_the_command_runs_a_source_of_python_with_all_flags_of_run(
+    sequence: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     test_bags = pytest.importorskip("test_bags")
     source = edvo.open_source(sequence)
-    bag = test_bags.record("mcap", tmp_path, source.camera, list(source)[:8])
-    assert main(["run", str(bag), "-o", str(tmp_path / "out"), "--quiet"]) == 0
-    assert "8 tracked, 0 lost" in capsys.readouterr().out
-    assert len(edvo.Trajectory.read(tmp_path / "out" / "trajectory.tum")) == 8
+    bag = test_bags.record("mcap", tmp_path, source.camera, list(source)[:12])
+    flags = ["--start", "2", "--max-frames", "8", "--points", str(tmp_path / "points.ply"), "--json"]
+    assert main(["run", str(bag), "-o", str(tmp_path / "out"), *flags]) == 0
+    summary = json.loads(capfd.readouterr().out)
+    assert summary["frames"]["tracked"] == 8 and summary["frames"]["total"] == 8
+    assert summary["evaluation"] is not None
+    for name in ("trajectory.tum", "report.html", "summary.json", "frames.jsonl"):
+        assert (tmp_path / "out" / name).stat().st_size > 0
+    first = json.loads((tmp_path / "out" / "frames.jsonl").read_text().splitlines()[0])
+    assert first["index"] == 2 and first["status"] == "first"
+    assert (tmp_path / "points.ply").stat().st_size > 0
+
+
+def test_unknown_words_are_explained_as_the_program_does() -> None:
+    assert "did you mean 'doctor'?" in edvo_command("docter").stderr
+    assert "did you mean '--depth-topic'?" in edvo_command("run", "x", "--depth-topik", "y").stderr
+    result = edvo_command("doctor", "--colour")
+    assert result.returncode == 2 and result.stderr.startswith("edvo: ")
+    assert "--depth-topic" in edvo_command("run", "--help").stdout
+    assert "usage: edvo doctor" in edvo_command("doctor", "--help").stdout
+
+
+def test_topics_of_what_is_no_bag_are_refused(sequence: Path) -> None:
+    result = edvo_command("run", str(sequence), "--depth-topic", "/depth")
+    assert result.returncode == 2 and "topics are for bags" in result.stderr
+
+
+def test_ctrl_c_ends_a_run_and_keeps_what_was_done(sequence: Path, tmp_path: Path) -> None:
+    code = (
+        "import os, signal, sys, edvo\n"
+        "class Stop(edvo.Observer):\n"
+        "    def frame(self, result, image):\n"
+        "        if result.stamp_ns > 0: os.kill(os.getpid(), signal.SIGINT)\n"
+        "run = edvo.run(sys.argv[1], observers=[Stop()])\n"
+        "assert run.interrupted and 0 < run.tracked < 64, run.counts\n"
+        "try:\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    import time; time.sleep(1)\n"
+        "except KeyboardInterrupt: print('python again')\n"
+    )
+    command = [sys.executable, "-c", code, str(sequence)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stdout) == (0, "python again\n"), result.stderr

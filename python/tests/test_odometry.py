@@ -17,20 +17,58 @@ from edvo import _core
 from edvo.stamp import nanoseconds
 
 
-def test_numbers_equal_the_programs_to_the_bit(sequence: Path, tmp_path: Path) -> None:
-    program = os.environ.get("EDVO_PROGRAM")
-    command = ["run", str(sequence), "-o", str(tmp_path / "cpp"), "--quiet", "--no-report"]
-    if program:
+@pytest.fixture(scope="module")
+def written(sequence: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the C++ program writes for the sequence."""
+    folder = tmp_path_factory.mktemp("program") / "out"
+    command = ["run", str(sequence), "-o", str(folder), "--quiet", "--no-report"]
+    if program := os.environ.get("EDVO_PROGRAM"):
         subprocess.run([program, *command], check=True, stdout=subprocess.DEVNULL)
     else:
         assert _core.main(["edvo", *command]) == 0
-    run = edvo.run(sequence)
-    run.write(tmp_path / "python")
-    for name in ("trajectory.tum", "keyframes.tum"):
-        ours = (tmp_path / "python" / name).read_bytes()
-        assert ours == (tmp_path / "cpp" / name).read_bytes(), name
+    return folder
+
+
+TRAJECTORIES = ("trajectory.tum", "trajectory_online.tum", "keyframes.tum")
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_numbers_equal_the_programs_to_the_bit(
+    sequence: Path, written: Path, tmp_path: Path, threads: int
+) -> None:
+    run = edvo.run(sequence, threads=threads)
+    run.write(tmp_path)
+    for name in TRAJECTORIES:
+        assert (tmp_path / name).read_bytes() == (written / name).read_bytes(), name
     assert run.tracked == 64 and run.lost == 0
     assert run.evaluation is not None and run.evaluation.ate.rmse < 0.02
+
+
+def test_frames_by_hand_or_by_a_source_of_python_give_the_same_bits(
+    camera: edvo.Camera, frames: list[edvo.Frame], written: Path, tmp_path: Path
+) -> None:
+    from conftest import Memory
+
+    edvo.run(Memory(camera, frames)).write(tmp_path / "source")
+    odometry = edvo.Odometry(camera)
+    for frame in frames:
+        odometry.process_ns(frame.stamp_ns, frame.decimals, frame.rgb, frame.depth)
+    odometry.finish()
+    odometry.trajectory().write(tmp_path / "trajectory.tum")
+    expected = (written / "trajectory.tum").read_bytes()
+    assert (tmp_path / "trajectory.tum").read_bytes() == expected
+    assert (tmp_path / "source" / "trajectory.tum").read_bytes() == expected
+
+
+def test_output_is_the_programs_folder(sequence: Path, written: Path, tmp_path: Path) -> None:
+    edvo.run(sequence, output=tmp_path / "out")
+    for name in (*TRAJECTORIES, "config.toml"):
+        assert (tmp_path / "out" / name).read_bytes() == (written / name).read_bytes(), name
+    assert (tmp_path / "out" / "report.html").stat().st_size > 10000
+    with pytest.raises(edvo.Error) as caught:
+        edvo.run(sequence, output=tmp_path / "out", max_frames=2)
+    assert caught.value.code == 7
+    assert edvo.run(sequence, output=tmp_path / "out", max_frames=2, force=True).tracked == 2
 
 
 def test_uint16_with_its_scale_is_the_same_as_metres(
@@ -165,27 +203,63 @@ def test_stamps_keep_their_digits(stamp: str | float, expected: tuple[int, int])
     assert nanoseconds(stamp) == expected
 
 
-def test_observers_see_every_frame(camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
+def test_observers_see_what_happens(camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
     from conftest import Memory
 
-    class Count(edvo.Observer):
-        seen: list[str] = []
+    class Watcher(edvo.Observer):
+        def __init__(self) -> None:
+            self.seen: list[str] = []
+            self.keyframes: list[edvo.Keyframe] = []
+            self.maps: list[int] = []
 
-        def begin(self, source: edvo.Source) -> None:
+        def begin(self, source: edvo.SourceInfo) -> None:
             self.seen.append(source.name)
+            assert source.camera == camera
 
-        def frame(self, result: edvo.FrameResult, frame: edvo.Frame) -> None:
+        def frame(self, result: edvo.FrameResult, image: edvo.Image) -> None:
+            frame = frames[len(self.seen) - 1]
+            assert np.array_equal(image.rgb, frame.rgb)
+            assert np.array_equal(image.depth, frame.depth, equal_nan=True)
             self.seen.append(result.status)
+
+        def skipped(self, index: int, stamp: str, reason: str) -> None:
+            self.seen.append(f"skipped {index}: {reason}")
+
+        def keyframe(self, keyframe: edvo.Keyframe) -> None:
+            self.keyframes.append(keyframe)
+
+        def map_changed(self, keyframes: list[edvo.KeyframePose]) -> None:
+            self.maps.append(len(keyframes))
 
         def end(self, run: edvo.Run) -> None:
             self.seen.append(f"{run.tracked}")
 
-    count = Count()
-    edvo.run(Memory(camera, frames[:5]), observers=[count])
-    assert count.seen == ["memory", "first", "tracked", "tracked", "tracked", "tracked", "5"]
+    small = edvo.Frame(frames[4].stamp_ns, frames[4].rgb[::2, ::2], frames[4].depth[::2, ::2])
+    watcher = Watcher()
+    edvo.run(Memory(camera, [*frames[:4], small]), observers=[watcher])
+    tracked = ["first", "tracked", "tracked", "tracked"]
+    assert watcher.seen[:5] == ["memory", *tracked] and watcher.seen[6:] == ["4"]
+    assert watcher.seen[5].startswith("skipped 4: rgb: 160 x 120 pixels, but the camera has")
+    first = watcher.keyframes[0]
+    assert first.id == 0 and first.points.shape == (len(first.colours), 3) and len(first.points) > 500
+    assert np.isfinite(first.points).all() and (first.points[:, 2] > 0).all()
+    assert watcher.maps and watcher.maps[-1] == len(watcher.keyframes)
 
 
-def test_an_error_of_the_source_reaches_the_caller(
+def test_an_observer_that_raises_ends_the_run(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from conftest import Memory
+
+    class Broken(edvo.Observer):
+        def frame(self, result: edvo.FrameResult, image: edvo.Image) -> None:
+            raise ZeroDivisionError("of an observer")
+
+    with pytest.raises(ZeroDivisionError, match="of an observer"):
+        edvo.run(Memory(camera, frames), observers=[Broken()])
+
+
+def test_an_error_of_the_source_keeps_what_was_done(
     camera: edvo.Camera, frames: list[edvo.Frame]
 ) -> None:
     from conftest import Memory
@@ -195,5 +269,34 @@ def test_an_error_of_the_source_reaches_the_caller(
             yield from self.list[:2]
             raise OSError("unplugged")
 
-    with pytest.raises(OSError, match="unplugged"):
+    with pytest.raises(edvo.Error, match="OSError: unplugged") as caught:
         edvo.run(Broken(camera, frames))
+    assert caught.value.run is not None and caught.value.run.tracked == 2
+
+
+def test_a_live_source_drops_what_comes_too_fast(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from conftest import Memory
+
+    class Live(Memory):
+        is_live = True
+
+    run = edvo.run(Live(camera, frames))
+    assert run.counts["tracked"] + run.counts["dropped"] == len(frames)
+    assert run.counts["dropped"] > 0
+
+
+def test_runs_of_two_threads_do_not_meet(sequence: Path) -> None:
+    source = edvo.open_source(sequence)
+    results: list[edvo.Run] = []
+    threads = [
+        threading.Thread(target=lambda: results.append(edvo.run(source, max_frames=20)))
+        for _ in range(2)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    a, b = results
+    assert np.array_equal(a.trajectory.values, b.trajectory.values) and len(a.trajectory) == 20

@@ -72,6 +72,68 @@ def test_replica(tmp_path: Path) -> None:
     check(tmp_path, 3, poses=3, camera=tmp_path / "camera.toml")
 
 
+def test_scannet(tmp_path: Path) -> None:
+    """Colour of twice the size is shrunk to that of depth, whose camera then holds."""
+    for i in range(3):
+        write(tmp_path / f"color/{i}.jpg", colour_image(10 * (i + 1), (2 * WIDTH, 2 * HEIGHT)))
+        write(tmp_path / f"depth/{i}.png", units(1000))
+        (tmp_path / "pose").mkdir(exist_ok=True)
+        (tmp_path / f"pose/{i}.txt").write_text(matrix(i))
+    (tmp_path / "intrinsic").mkdir()
+    for name, f in (("color", 120), ("depth", 60)):
+        text = f"{f} 0 {f / 2} 0\n0 {f} {f / 2} 0\n0 0 1 0\n0 0 0 1\n"
+        (tmp_path / f"intrinsic/intrinsic_{name}.txt").write_text(text)
+    source = edvo.open_source(tmp_path)
+    frames = list(source)
+    assert len(frames) == 3 and source.camera.fx == 60 and frames[0].rgb.shape == (HEIGHT, WIDTH, 3)
+    assert source.ground_truth is not None and len(source.ground_truth) == 3
+
+
+def test_bundlefusion(tmp_path: Path) -> None:
+    for i in range(3):
+        base = tmp_path / f"frame-{i:06}"
+        write(base.with_suffix(".color.jpg"), colour_image(10 * (i + 1)))
+        write(base.with_suffix(".depth.png"), units(1000))
+        base.with_suffix(".pose.txt").write_text(matrix(i))
+    (tmp_path / "camera.toml").write_text("fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n")
+    frames = list(edvo.open_source(tmp_path))
+    assert len(frames) == 3 and np.nanmax(np.abs(frames[0].depth - DEPTH)) < 0.001
+
+
+def tum_lists(folder: Path, name: str) -> Path:
+    path = folder / name
+    for i in range(2):
+        write(path / f"rgb/{i}.png", colour_image(10 * (i + 1)))
+        write(path / f"depth/{i}.png", units(5000))
+    for kind in ("rgb", "depth"):
+        lines = [f"{1.0 + 0.1 * i:.6f} {kind}/{i}.png" for i in range(2)]
+        (path / f"{kind}.txt").write_text("\n".join(lines) + "\n")
+    (path / "groundtruth.txt").write_text("1.0 0 0 0 0 0 0 1\n1.1 1 0 0 0 0 0 1\n")
+    (path / "camera.toml").write_text("fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n")
+    return path
+
+
+def test_bonn_is_tums_layout(tmp_path: Path) -> None:
+    check(tum_lists(tmp_path, "rgbd_bonn_balloon"), 2, poses=2)
+
+
+def test_icl_nuim_takes_a_negative_fy(tmp_path: Path) -> None:
+    path = tum_lists(tmp_path, "living_room_traj1_frei_png")
+    (path / "camera.toml").write_text("fx = 60\nfy = -60\ncx = 31.5\ncy = 23.5\n")
+    assert check(path, 2, poses=2, depth_scale=5000).camera.fy == -60
+
+
+def test_redwood(tmp_path: Path) -> None:
+    for i in range(2):
+        write(tmp_path / f"image/{i:06}.jpg", colour_image(10 * (i + 1)))
+        write(tmp_path / f"depth/{i:06}.png", units(1000))
+    k = [60, 0, 0, 0, 61, 0, 31.5, 23.5, 1]
+    camera = {"width": WIDTH, "height": HEIGHT, "intrinsic_matrix": k}
+    (tmp_path / "camera_primesense.json").write_text(json.dumps(camera))
+    source = edvo.open_source(tmp_path)
+    assert source.camera.fy == 61 and len(list(source)) == 2
+
+
 def test_open3d_recorder(tmp_path: Path) -> None:
     for i in range(2):
         write(tmp_path / f"color/{i:06}.png", colour_image(10 * (i + 1)))

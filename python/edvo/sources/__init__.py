@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,7 @@ def open_source(
     path: str | Path,
     *,
     camera: Camera | str | Path | None = None,
+    camera_size: tuple[int, int] = (0, 0),
     depth_scale: float | None = None,
     depth_camera: Camera | str | Path | None = None,
     colour_from_depth: NDArray[np.float64] | None = None,
@@ -61,32 +63,44 @@ def open_source(
 ) -> Source:
     """Opens a recording; what was recognised and chosen is in ``source.notes``.
 
-    ``camera`` and ``depth_camera``: a ``Camera`` or a calibration file. ``depth_scale``: units per
-    metre. ``colour_from_depth``: 4 x 4, for depth that is not registered to colour. Topics are for
+    ``camera`` and ``depth_camera``: a ``Camera`` or a calibration file. ``camera_size``: width and
+    height of the images that ``camera`` was calibrated with, if these are of another size.
+    ``depth_scale``: units per metre. ``colour_from_depth``: 4 x 4, for depth that is not registered to colour. Topics are for
     bags. Raises ``edvo.Error`` in one sentence if the recording cannot be opened.
     """
     place = Path(path)
+    registration: dict[str, Any] = {
+        "depth_camera": depth_camera,
+        "colour_from_depth": colour_from_depth,
+    }
+    if depth_camera is None and colour_from_depth is not None:
+        raise Error("colour_from_depth (--colour-from-depth) needs the depth camera's calibration", 2)
     if is_bag(place):
         return BagSource(
             place,
             camera=camera,
+            camera_size=camera_size,
             depth_scale=depth_scale,
             colour_topic=colour_topic,
             depth_topic=depth_topic,
+            **registration,
         )
     if colour_topic is not None or depth_topic is not None:
         raise Error(f"{path}: topics are for bags (.bag, .db3, .mcap)", code=2)
-    if is_record3d(place):
-        return open_record3d(place)
+    if is_record3d(place) or (place.is_dir() and is_stray(place)):
+        given = (camera, depth_scale, depth_camera, colour_from_depth)
+        if any(value is not None for value in given):
+            raise Error(f"{path}: says its cameras and units itself; leave them out", code=2)
+        return open_record3d(place) if is_record3d(place) else StraySource(place)
     if place.suffix == ".mkv":
         raise Error(
             f"{path}: Azure Kinect's .mkv is not read; `ros2 bag record` of its driver is", code=3
         )
     if place.is_dir():
-        if is_stray(place):
-            return StraySource(place)
         if is_nyu_raw(place):
             raise refuse_nyu_raw(place)
         if depth_camera is not None or needs_python(place):
-            return open_pairs(place, camera, depth_scale, depth_camera, colour_from_depth)
-    return FolderSource(place, camera=camera, depth_scale=depth_scale)
+            return open_pairs(place, camera, camera_size, depth_scale, **registration)
+    elif depth_camera is not None:
+        raise Error(f"{path}: a depth camera is for folders and bags", code=2)
+    return FolderSource(place, camera=camera, camera_size=camera_size, depth_scale=depth_scale)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from edvo.camera import Camera
+from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources import messages
@@ -44,11 +44,17 @@ class BagSource(Source):
         path: str | Path,
         *,
         camera: Camera | str | Path | None = None,
+        camera_size: tuple[int, int] = (0, 0),
         depth_scale: float | None = None,
         colour_topic: str | None = None,
         depth_topic: str | None = None,
+        depth_camera: Camera | str | Path | None = None,
+        colour_from_depth: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__()
+        self._camera_size = camera_size
+        self._depth_camera = depth_camera
+        self._given_motion = colour_from_depth
         self._path = Path(path)
         self.name = self._path.stem
         self._units = depth_scale
@@ -89,13 +95,13 @@ class BagSource(Source):
         colour = messages.decode_colour(first[self._colour])
         depth = messages.decode_depth(first[self._depth], self._units)
         info = nearest_info(reader, self._colour)
-        if isinstance(camera, Camera):
-            self.camera = camera
-        elif camera is not None:
-            self.camera = Camera.read(camera, colour.shape[1], colour.shape[0])
-            self.camera_origin = f"{camera}, as given"
+        size = (colour.shape[1], colour.shape[0])
+        if camera is not None:
+            self.camera = read_scaled(camera, self._camera_size, size)
+            if not isinstance(camera, Camera):
+                self.camera_origin = f"{camera}, as given"
         elif info is not None:
-            self.camera = messages.camera_from(first_message(reader, info))
+            self.camera = camera_of(reader, info, self._colour)
             self.camera_origin = f"CameraInfo of {info}"
         else:
             raise Error(
@@ -109,6 +115,11 @@ class BagSource(Source):
         self, reader: Any, first: dict[str, Any], depth: NDArray[np.float32]
     ) -> DepthRegistration | None:
         """None where depth is registered already."""
+        if self._depth_camera is not None:
+            size = (depth.shape[1], depth.shape[0])
+            own = read_scaled(self._depth_camera, (0, 0), size)
+            self.notes.append("depth is registered to colour here, as given")
+            return DepthRegistration(own, self.camera, self._given_motion)
         info = nearest_info(reader, self._depth)
         size = (self.camera.width, self.camera.height)
         same_size = (depth.shape[1], depth.shape[0]) == size
@@ -126,7 +137,7 @@ class BagSource(Source):
                 f"{size[0]} x {size[1]}, and no CameraInfo says how they belong together",
                 code=5,
             )
-        depth_camera = messages.camera_from(first_message(reader, info))
+        depth_camera = camera_of(reader, info, self._depth)
         motion = self._colour_from_depth(reader, first)
         if motion is None:
             if same_size and np.allclose(depth_camera.matrix, self.camera.matrix, atol=0.5):
@@ -279,6 +290,12 @@ def nearest_info(reader: Any, image_topic: str) -> str | None:
         if shared >= 2 and (best is None or shared > best[0]):
             best = (shared, name)
     return best[1] if best else None
+
+
+def camera_of(reader: Any, info: str, image_topic: str) -> Camera:
+    """image_proc's rectified images have the camera of P, without distortion."""
+    is_rectified = "image_rect" in image_topic
+    return messages.camera_from(first_message(reader, info), is_rectified)
 
 
 def read_tree(reader: Any) -> TransformTree:

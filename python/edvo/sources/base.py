@@ -4,15 +4,18 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from edvo.camera import Camera
+from edvo.camera import Camera, as_tuple
+from edvo.images import check_depth, check_rgb
 from edvo.trajectory import Trajectory
+
+Arrays = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +32,18 @@ class Source(ABC):
     """A sequence of frames in the order of their stamps; iterate over it.
 
     Subclass it for a sensor or a format of your own: set the attributes and write ``__iter__``.
+    What ``__iter__`` raises ends a run; a frame whose arrays do not fit the camera is skipped.
     """
 
-    name: str = "sequence"  # short
+    name: str = "sequence"  # short, also names the run's folder
     origin: str = ""  # where frames are read from, and as what
     camera: Camera
     camera_origin: str = "as given"
+    depth_origin: str = "in metres"
     frames: int | None = None  # None = not known
+    is_live: bool = False  # a sensor that does not wait: who is late gets the newest frame
     ground_truth: Trajectory | None = None
+    ground_truth_origin: str = "ground truth"
     notes: list[str]  # what was found and chosen, and why
     warnings: list[str]  # what looks wrong but stops nothing
 
@@ -47,6 +54,51 @@ class Source(ABC):
     @abstractmethod
     def __iter__(self) -> Iterator[Frame]:
         """Yields the frames. May be called again: then it begins anew (a live camera goes on)."""
+
+    def stop(self) -> None:
+        """Of a live source: ends the wait for a frame. Called by another thread."""
+
+    def _native(self) -> Any:
+        """A ``_core.FolderSource``, where C++ reads the frames without Python."""
+        return None
+
+    def _pending(self) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
+        """Stamp [ns], decimals and what loads the arrays of each frame."""
+        for frame in self:
+            yield frame.stamp_ns, frame.decimals, self._loader(lambda frame=frame: frame)  # type: ignore[misc]
+
+    def _loader(self, read: Callable[[], Frame]) -> Callable[[], Arrays]:
+        def load() -> Arrays:
+            frame = read()
+            width, height = self.camera.width, self.camera.height
+            return check_rgb(frame.rgb, width, height), check_metres(frame.depth, width, height)
+
+        return load
+
+    def _describe(self) -> dict[str, Any]:
+        truth = self.ground_truth
+        return {
+            "name": self.name,
+            "origin": self.origin or self.name,
+            "camera": as_tuple(self.camera),
+            "camera_origin": self.camera_origin,
+            "depth_scale": 0.0,
+            "depth_origin": self.depth_origin,
+            "is_depth_assumed": False,
+            "frames": self.frames,
+            "is_live": self.is_live,
+            "ground_truth": None if truth is None or len(truth) == 0 else truth._arrays(),
+            "ground_truth_origin": self.ground_truth_origin,
+            "notes": list(self.notes),
+            "warnings": list(self.warnings),
+        }
+
+
+def check_metres(depth: Any, width: int, height: int) -> NDArray[np.float32]:
+    image = check_depth(depth, width, height)
+    if image.dtype != np.float32:
+        raise TypeError("depth: a source gives float32 in metres (edvo.sources.metres converts)")
+    return image
 
 
 def metres(depth: NDArray[Any], units_per_metre: float) -> NDArray[np.float32]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from edvo import _core
 from edvo.camera import Camera, from_tuple
@@ -14,7 +15,10 @@ from edvo.trajectory import Trajectory
 
 
 def cache_folder() -> Path:
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    """Where archives are unpacked and downloads kept; as the C++ program has it."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    if not os.path.isabs(base):
+        base = os.path.join(os.path.expanduser("~"), ".cache")
     return Path(base) / "edvo"
 
 
@@ -27,39 +31,49 @@ class FolderSource(Source):
         path: str | Path,
         *,
         camera: Camera | str | Path | None = None,
+        camera_size: tuple[int, int] = (0, 0),
         depth_scale: float | None = None,
     ) -> None:
         super().__init__()
-        self._dataset = _core.open_dataset(Path(path), depth_scale, cache_folder())
-        self.name = self._dataset.name
-        self.origin = f"{path} ({self._dataset.layout})"
-        self.frames = len(self._dataset)
-        self.units_per_metre: float = self._dataset.units_per_metre
-        self.notes += self._dataset.notes
-        self.warnings += self._dataset.warnings
-        if isinstance(camera, Camera):
-            self.camera = camera
-        else:
-            file = None if camera is None else Path(camera)
-            values, self.camera_origin = self._dataset.camera(file)
-            self.camera = from_tuple(values)
-        self.ground_truth = self._read_ground_truth()
+        file = None if camera is None or isinstance(camera, Camera) else Path(camera)
+        own = as_file(camera) if isinstance(camera, Camera) else None
+        try:
+            chosen = own if own is not None else file
+            self._folder = _core.FolderSource(
+                Path(path), chosen, camera_size, depth_scale, cache_folder()
+            )
+        finally:
+            if own is not None:
+                own.unlink()
+        self._info: dict[str, Any] = self._folder.info()
+        self.name = self._info["name"]
+        self.origin = self._info["origin"]
+        self.frames = len(self._folder)
+        self.units_per_metre: float = self._info["depth_scale"]
+        self.depth_origin = self._info["depth_origin"]
+        self.notes += self._info["notes"]
+        self.warnings += self._info["warnings"]
+        self.camera = from_tuple(self._info["camera"])
+        self.camera_origin = "as given" if own is not None else self._info["camera_origin"]
+        if self._info["ground_truth"] is not None:
+            self.ground_truth = Trajectory._from_arrays(self._info["ground_truth"])
+            self.ground_truth_origin = self._info["ground_truth_origin"]
 
-    def _read_ground_truth(self) -> Trajectory | None:
-        stamps, decimals, values = self._dataset.poses()
-        if len(stamps):
-            return Trajectory(stamps, values, decimals)
-        if self._dataset.ground_truth is None:
-            return None
-        (stamps, decimals, values), warnings = _core.read_trajectory(self._dataset.ground_truth)
-        self.warnings += warnings
-        return Trajectory(stamps, values, decimals)
+    def _native(self) -> Any:
+        is_own = type(self).__iter__ is FolderSource.__iter__
+        return self._folder if is_own else None
+
+    def _describe(self) -> dict[str, Any]:
+        fields = super()._describe()
+        fields["depth_scale"] = self.units_per_metre
+        fields["is_depth_assumed"] = self._info["is_depth_assumed"]
+        return fields
 
     def __len__(self) -> int:
-        return len(self._dataset)
+        return len(self._folder)
 
     def __getitem__(self, index: int) -> Frame:
-        stamp_ns, decimals, rgb, depth = self._dataset.read(index)
+        stamp_ns, decimals, rgb, depth = self._folder.read(index)
         return Frame(stamp_ns, rgb, depth, decimals)
 
     def __iter__(self) -> Iterator[Frame]:
@@ -68,9 +82,19 @@ class FolderSource(Source):
 
     def stamps_ns(self, index: int) -> tuple[int, int]:
         """Of the colour and of the depth image."""
-        return self._dataset.stamp(index)[0], self._dataset.depth_stamp_ns(index)
+        return self._folder.stamp(index)[0], self._folder.depth_stamp_ns(index)
 
     def files(self, index: int) -> tuple[Path, Path]:
         """The colour and the depth image."""
-        colour, depth = self._dataset.files(index)
+        colour, depth = self._folder.files(index)
         return Path(colour), Path(depth)
+
+
+def as_file(camera: Camera) -> Path:
+    """The camera in a file of its own, for readers that want one; to be removed by the caller."""
+    import tempfile
+
+    handle, name = tempfile.mkstemp(prefix="edvo-camera-", suffix=".toml")
+    with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        stream.write(camera.to_toml())
+    return Path(name)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.registration import DepthRegistration
-from edvo.sources.base import Frame, Source
+from edvo.sources.base import Arrays, Frame, Source
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,11 @@ class ListedSource(Source):
     def __iter__(self) -> Iterator[Frame]:
         for index in range(len(self.entries)):
             yield self[index]
+
+    def _pending(self) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
+        # Read where it is needed: a damaged image costs its own frame only.
+        for index, entry in enumerate(self.entries):
+            yield entry.stamp_ns, 9, self._loader(lambda index=index: self[index])  # type: ignore[misc]
 
 
 def shrunk(rgb: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:

@@ -34,8 +34,7 @@ def stamp_ns(message: Any) -> int:
 
 def rows(message: Any, dtype: str, channels: int) -> NDArray[Any]:
     """The pixels of an Image message; rows may be padded."""
-    order = ">" if message.is_bigendian else "<"
-    kind = np.dtype(dtype).newbyteorder(order)
+    kind = np.dtype(dtype).newbyteorder(">" if message.is_bigendian else "<")
     width = message.width * channels * kind.itemsize
     data = np.asarray(message.data, np.uint8)
     if message.step < width or data.size < message.step * message.height:
@@ -111,8 +110,13 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
     return metres(image, units)
 
 
-def camera_from(message: Any) -> Camera:
-    """The camera of a CameraInfo message."""
+def camera_from(message: Any, is_rectified: bool = False) -> Camera:
+    """The camera of a CameraInfo message, or that of its rectified images."""
+    if is_rectified:
+        p = np.asarray(getattr(message, "p", getattr(message, "P", None)), float)
+        if p[0] > 0:
+            fx, fy, cx, cy = float(p[0]), float(p[5]), float(p[2]), float(p[6])
+            return Camera(fx, fy, cx, cy, message.width, message.height)
     k = np.asarray(getattr(message, "k", getattr(message, "K", None)), float)
     d = [float(value) for value in getattr(message, "d", getattr(message, "D", []))]
     model = message.distortion_model

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from edvo.camera import Camera
+from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources.base import metres
@@ -50,6 +50,7 @@ def find_folders(path: Path) -> tuple[Path, Path] | None:
 def open_pairs(
     path: Path,
     camera: Camera | str | Path | None,
+    camera_size: tuple[int, int],
     depth_scale: float | None,
     depth_camera: Camera | str | Path | None = None,
     colour_from_depth: NDArray[np.float64] | None = None,
@@ -72,10 +73,10 @@ def open_pairs(
     rgb = read_colour(colours[0])
     size = (rgb.shape[1], rgb.shape[0])
     depth_size = (first_depth.shape[1], first_depth.shape[0])
-    chosen, origin = choose_camera(path, camera, size)
+    chosen, origin = choose_camera(path, camera, camera_size, size)
     registration = None
     if depth_camera is not None:
-        own = read_camera(depth_camera, depth_size)
+        own = read_scaled(depth_camera, (0, 0), depth_size)
         registration = DepthRegistration(own, chosen, colour_from_depth)
     elif depth_size != size:
         raise Error(
@@ -110,15 +111,14 @@ def open_pairs(
     return source
 
 
-def read_camera(camera: Camera | str | Path, size: tuple[int, int]) -> Camera:
-    return camera if isinstance(camera, Camera) else Camera.read(camera, *size)
-
-
 def choose_camera(
-    path: Path, camera: Camera | str | Path | None, size: tuple[int, int]
+    path: Path,
+    camera: Camera | str | Path | None,
+    camera_size: tuple[int, int],
+    size: tuple[int, int],
 ) -> tuple[Camera, str]:
     if camera is not None:
-        return read_camera(camera, size), "as given"
+        return read_scaled(camera, camera_size, size), "as given"
     for name in ("camera.toml", "camera.yaml", "calibration.txt", "intrinsics.txt"):
         if (path / name).is_file():
             return Camera.read(path / name, *size), f"{path / name}, which is in the folder"

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from edvo import _core
 from edvo.camera import Camera
 from edvo.errors import Error, missing_extra
 from edvo.registration import DepthRegistration
 from edvo.sources.base import Frame, Source, metres
+from edvo.sources.image_files import read_depth
 from edvo.sources.listed import Entry, ListedSource, shrunk
 from edvo.trajectory import Trajectory
 
@@ -71,10 +71,10 @@ def decode_jpeg(data: bytes) -> NDArray[np.uint8]:
     from edvo.sources.messages import opencv
 
     cv2 = opencv()
-    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR_RGB)
+    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
     if bgr is None:
         raise Error("a colour image cannot be decoded", code=3)
-    return np.asarray(bgr, np.uint8)
+    return np.ascontiguousarray(bgr[:, :, ::-1])
 
 
 def open_record3d(path: Path) -> ListedSource:
@@ -155,7 +155,7 @@ class StraySource(Source):
         self._factor = max(1, -(-max(width, height) // WIDEST))
         camera = Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
         camera = shrunk_camera(camera, self._factor)
-        shape = _core.read_depth(self._depths[0]).shape
+        shape = read_depth(self._depths[0]).shape
         depth_size = (int(shape[0]), int(shape[1]))
         self._registration = DepthRegistration(
             camera.scaled_to(depth_size[1], depth_size[0]), camera
@@ -196,5 +196,5 @@ class StraySource(Source):
                 if i >= min(len(self._depths), len(self._stamps)):
                     return
                 rgb = shrunk(picture.to_ndarray(format="rgb24"), self._factor)
-                depth = metres(_core.read_depth(self._depths[i]), 1000.0)
+                depth = metres(read_depth(self._depths[i]), 1000.0)
                 yield Frame(self._stamps[i], rgb, self._registration(depth))

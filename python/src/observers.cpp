@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+#include "observers.hpp"
+
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <map>
+#include <string>
+#include <utility>
+
+namespace edvo::python {
+namespace {
+
+// One image of a run as observers get it; converted only if they ask.
+class WatchedImage {
+ public:
+  explicit WatchedImage(const Frame& frame) : bgr_(frame.bgr), depth_(frame.depth) {}
+  [[nodiscard]] nb::object rgb() const { return numpy_rgb(cv::Mat_<cv::Vec3b>(bgr_)); }
+  [[nodiscard]] nb::object depth() const { return numpy_depth(depth_.undistorted()); }
+
+ private:
+  cv::Mat bgr_;
+  Depth depth_;
+};
+
+// id, stamp_ns, segment, pose
+nb::dict keyframe_fields(std::int64_t id, const Stamp& stamp, int segment, const SE3& pose) {
+  nb::dict fields;
+  fields["id"] = id;
+  fields["stamp_ns"] = stamp.nanoseconds;
+  fields["segment"] = segment;
+  fields["pose"] = numpy_pose(pose);
+  return fields;
+}
+
+nb::dict keyframe_dict(const Keyframe& keyframe) {
+  std::vector<float> points;
+  std::vector<std::uint8_t> colours;
+  for (const ColoredPoint& point : keyframe.points) {
+    points.insert(points.end(), {point.position.x(), point.position.y(), point.position.z()});
+    colours.insert(colours.end(), point.rgb.begin(), point.rgb.end());
+  }
+  nb::dict fields =
+      keyframe_fields(keyframe.id, keyframe.stamp, keyframe.segment, keyframe.world_from_camera);
+  fields["rgb"] = numpy_rgb(keyframe.bgr);
+  fields["depth"] = numpy_depth(keyframe.depth);
+  fields["points"] = numpy_array(std::move(points), {keyframe.points.size(), 3});
+  fields["colours"] = numpy_array(std::move(colours), {keyframe.points.size(), 3});
+  return fields;
+}
+
+nb::dict counts_dict(const FrameCounts& counts) {
+  nb::dict fields;
+  fields["tracked"] = counts.tracked;
+  fields["lost"] = counts.lost;
+  fields["restarted"] = counts.restarted;
+  fields["relocalized"] = counts.relocalized;
+  fields["skipped"] = counts.skipped;
+  fields["dropped"] = counts.dropped;
+  fields["segments"] = counts.segments;
+  return fields;
+}
+
+}  // namespace
+
+nb::dict outcome_dict(const RunOutcome& outcome, const SourceInfo& source,
+                      const std::vector<FrameResult>& frames,
+                      const std::vector<SkippedFrame>& skipped) {
+  nb::list results, reasons;
+  for (const FrameResult& result : frames) results.append(result_dict(result));
+  for (const SkippedFrame& frame : skipped)
+    reasons.append("frame " + std::to_string(frame.index) + ": " + frame.reason);
+  nb::dict fields;
+  fields["source"] = source_fields(source);
+  fields["counts"] = counts_dict(outcome.counts);
+  fields["trajectory"] = numpy_trajectory(outcome.trajectory);
+  fields["online"] = numpy_trajectory(outcome.online);
+  fields["keyframes"] = numpy_trajectory(outcome.keyframes);
+  fields["frames"] = results;
+  fields["skipped"] = reasons;
+  fields["wall_seconds"] = outcome.wall_seconds;
+  fields["interrupted"] = outcome.interrupted;
+  fields["error"] = nb::none();
+  if (outcome.error)
+    fields["error"] =
+        nb::make_tuple(std::string(outcome.error->what()), static_cast<int>(outcome.error->code()));
+  return fields;
+}
+
+PythonObservers::PythonObservers(const nb::list& observers) {
+  for (const nb::handle observer : observers) {
+    observers_.push_back(nb::borrow<nb::object>(observer));
+    wants_keyframes_ = wants_keyframes_ || nb::cast<bool>(observer.attr("_wants_keyframes")());
+  }
+}
+
+void PythonObservers::begin(const SourceInfo& source) {
+  source_ = source;
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_) observer.attr("_begin")(source_fields(source));
+}
+
+void PythonObservers::frame(const FrameResult& result, const Frame& image) {
+  frames_.push_back(result);
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  const nb::object picture = nb::cast(WatchedImage(image));
+  for (const nb::object& observer : observers_)
+    observer.attr("_frame")(result_dict(result), picture);
+}
+
+void PythonObservers::skipped(const SkippedFrame& frame) {
+  skipped_.push_back(frame);
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_)
+    observer.attr("skipped")(frame.index, frame.stamp, frame.reason);
+}
+
+void PythonObservers::keyframe(const KeyframePtr& keyframe) {
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_)
+    if (nb::cast<bool>(observer.attr("_wants_keyframes")()))
+      observer.attr("_keyframe")(keyframe_dict(*keyframe));
+}
+
+void PythonObservers::map_changed(std::span<const MapKeyframe> keyframes) {
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_) {
+    if (!nb::cast<bool>(observer.attr("_wants_map")())) continue;
+    nb::list poses;
+    for (const MapKeyframe& keyframe : keyframes)
+      poses.append(keyframe_fields(keyframe.id, keyframe.stamp, keyframe.segment,
+                                   keyframe.world_from_camera));
+    observer.attr("_map_changed")(poses);
+  }
+}
+
+void PythonObservers::warning(const std::string& text) {
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_) observer.attr("warning")(text);
+}
+
+void PythonObservers::end(const RunOutcome& outcome) {
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  for (const nb::object& observer : observers_) observer.attr("_end")(this->outcome(outcome));
+}
+
+nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
+  return outcome_dict(outcome, source_, frames_, skipped_);
+}
+
+void add_observers(nb::module_& module) {
+  nb::class_<WatchedImage>(module, "WatchedImage")
+      .def_prop_ro("rgb", &WatchedImage::rgb)
+      .def_prop_ro("depth", &WatchedImage::depth);
+}
+
+}  // namespace edvo::python

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// Python objects that watch a run.
+#pragma once
+
+#include "bindings.hpp"
+#include "edvo/run/observer.hpp"
+
+#include <vector>
+
+namespace edvo::python {
+
+[[nodiscard]] nb::dict result_dict(const FrameResult& result);
+[[nodiscard]] nb::dict source_fields(const SourceInfo& info);
+
+// The fields of edvo.Run, but for its evaluation.
+[[nodiscard]] nb::dict outcome_dict(const RunOutcome& outcome, const SourceInfo& source,
+                                    const std::vector<FrameResult>& frames,
+                                    const std::vector<SkippedFrame>& skipped);
+
+// Keeps the results and tells a list of edvo.Observer. Takes the GIL only if there is someone to
+// tell. Created and destroyed with the GIL; what Python raises passes through the run.
+class PythonObservers final : public Observer {
+ public:
+  explicit PythonObservers(const nb::list& observers);
+
+  void begin(const SourceInfo& source) override;
+  void frame(const FrameResult& result, const Frame& image) override;
+  void skipped(const SkippedFrame& frame) override;
+  [[nodiscard]] bool wants_keyframes() const override { return wants_keyframes_; }
+  void keyframe(const KeyframePtr& keyframe) override;
+  void map_changed(std::span<const MapKeyframe> keyframes) override;
+  void warning(const std::string& text) override;
+  void end(const RunOutcome& outcome) override;
+
+  // With the GIL.
+  [[nodiscard]] nb::dict outcome(const RunOutcome& outcome) const;
+
+ private:
+  std::vector<nb::object> observers_;
+  bool wants_keyframes_ = false;
+  SourceInfo source_;
+  std::vector<FrameResult> frames_;
+  std::vector<SkippedFrame> skipped_;
+};
+
+}  // namespace edvo::python

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// A whole sequence through the loop that the program runs too.
+#include "edvo/run/run.hpp"
+
+#include "edvo/report/recorder.hpp"
+#include "edvo/report/run_folder.hpp"
+#include "interrupt.hpp"
+#include "observers.hpp"
+#include "source.hpp"
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace edvo::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RunChoice {
+  std::string method;
+  std::vector<std::string> changes;
+  int threads = 2;
+  std::optional<fs::path> output;  // folder for what the program writes
+  bool force = false;
+};
+
+// Without the GIL.
+RunOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const RunChoice& choice) {
+  const Config config = config_of(choice.method, choice.changes);
+  const DistortedCamera camera = source.info().camera;
+  Odometry odometry(camera, config, detector_of(config, camera));
+  Observers observers;
+  std::optional<Recorder> recorder;
+  if (choice.output) {
+    make_named_run_folder(*choice.output, choice.force);
+    recorder.emplace(*choice.output,
+                     describe_run(source.info(), "edvo.run", choice.method, to_toml(config)), true);
+    observers.push_back(&*recorder);
+  }
+  observers.push_back(&watchers);
+  const Interrupt interrupt;
+  return run(source, odometry, observers,
+             {.threads = choice.threads, .should_stop = Interrupt::requested});
+}
+
+nb::dict run_source(const nb::object& source, const nb::list& observers, const RunChoice& choice,
+                    std::int64_t max_frames) {
+  const std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames});
+  PythonObservers watchers(observers);
+  RunOutcome outcome;
+  {
+    const nb::gil_scoped_release release;
+    outcome = run_recorded(*frames, watchers, choice);
+  }
+  return watchers.outcome(outcome);
+}
+
+}  // namespace
+
+void add_run(nb::module_& module) {
+  using namespace nb::literals;
+  module.def(
+      "run",
+      [](const nb::object& source, const nb::list& observers, const std::string& method,
+         const std::vector<std::string>& changes, int threads,
+         const std::optional<fs::path>& output, bool force, std::int64_t max_frames) {
+        return run_source(source, observers, {method, changes, threads, output, force}, max_frames);
+      },
+      "source"_a, "observers"_a, "method"_a, "changes"_a, "threads"_a, "output"_a.none(), "force"_a,
+      "max_frames"_a);
+}
+
+}  // namespace edvo::python

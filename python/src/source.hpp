@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// A Python source as the loop's source of frames.
+#pragma once
+
+#include "bindings.hpp"
+#include "edvo/source/rgbd_source.hpp"
+
+#include <cstdint>
+#include <memory>
+
+namespace edvo::python {
+
+// Which frames of a source; max_frames 0 = all.
+struct FrameRange {
+  std::int64_t first = 0;
+  std::int64_t max_frames = 0;
+};
+
+// source: an edvo.Source, which is kept alive. Folders are read by the C++ library without Python;
+// frames of others are asked for by whatever thread reads, one at a time. Call it with the GIL; the
+// result needs none, also when it is destroyed.
+[[nodiscard]] std::unique_ptr<RgbdSource> make_source(const nb::object& source,
+                                                      const FrameRange& range);
+
+void add_source(nb::module_& module);
+
+}  // namespace edvo::python
