@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""The frames that the doctor looks at, and what it computes of them once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo.camera import Camera
+from edvo.errors import Error
+from edvo.sources.base import Frame, Source
+from edvo.sources.folder import FolderSource
+from edvo.sources.listed import ListedSource
+from edvo.trajectory import Trajectory
+
+Gray = NDArray[np.float32]
+
+GROUPS = 8  # runs of consecutive frames, spread over the sequence
+LENGTH = 8  # frames of each
+STREAMED = 90  # frames of a recording that can only be read from its start
+
+
+def to_gray(rgb: NDArray[np.uint8]) -> Gray:
+    return np.asarray(rgb.astype(np.float32) @ np.array([0.299, 0.587, 0.114], np.float32))
+
+
+@dataclass
+class Sample:
+    camera: Camera
+    groups: list[list[Frame]]  # consecutive frames each
+    stamps_ns: NDArray[np.int64]  # of all frames, or of those read
+    ground_truth: Trajectory | None
+    depth_files: list[Path] = field(default_factory=list)
+    unreadable: list[str] = field(default_factory=list)
+    missing: int = 0  # frames of the list whose images are not there
+    units_per_metre: float | None = None  # None = not known here
+
+    def frames(self) -> Iterator[Frame]:
+        for group in self.groups:
+            yield from group
+
+    def pairs(self) -> Iterator[tuple[Frame, Frame]]:
+        for group in self.groups:
+            yield from zip(group, group[1:])
+
+
+def starts(count: int) -> list[int]:
+    if count <= GROUPS * LENGTH:
+        return list(range(0, count, LENGTH))
+    return [round(i * (count - LENGTH) / (GROUPS - 1)) for i in range(GROUPS)]
+
+
+def take(source: Source) -> Sample:
+    unreadable: list[str] = []
+    sample = Sample(source.camera, [], np.zeros(0, np.int64), source.ground_truth)
+    if isinstance(source, (FolderSource, ListedSource)):
+        for start in starts(len(source)):
+            group: list[Frame] = []
+            for index in range(start, min(start + LENGTH, len(source))):
+                try:
+                    group.append(source[index])
+                except Error as error:
+                    unreadable.append(str(error))
+            sample.groups.append(group)
+    else:
+        frames = list(islice(iter(source), STREAMED))
+        sample.groups = [frames[i : i + LENGTH] for i in range(0, len(frames), LENGTH)]
+        sample.stamps_ns = np.array([frame.stamp_ns for frame in frames], np.int64)
+    if isinstance(source, FolderSource):
+        stamps = [source.stamps_ns(i) for i in range(len(source))]
+        sample.stamps_ns = np.array([colour for colour, _ in stamps], np.int64)
+        sample.depth_files = [source.files(0)[1]]
+        sample.units_per_metre = source.units_per_metre
+    elif isinstance(source, ListedSource):
+        sample.stamps_ns = np.array([entry.stamp_ns for entry in source.entries], np.int64)
+    sample.unreadable = unreadable
+    sample.groups = [group for group in sample.groups if group]
+    if not sample.groups:
+        reason = unreadable[0] if unreadable else "it has no frames"
+        raise Error(f"{source.origin}: no frame can be read: {reason}", code=3)
+    return sample
