@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: MIT
+"""A run in Rerun: live in its viewer or in a browser, recorded to a file, or after its end."""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from edvo.camera import Camera
+from edvo.errors import Error, missing_extra
+from edvo.observer import Image, Keyframe, KeyframePose, Observer, SourceInfo
+from edvo.odometry import FrameResult
+from edvo.runner import Run
+from edvo.trajectory import Trajectory
+
+WAITING = 8  # frames that the viewer may be behind; further ones are not shown
+GRPC_PORT, WEB_PORT = 9876, 9090
+FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
+MOVED = 1e-4  # [m, rad] of a keyframe that is shown anew
+PATH, TRUTH, LOST, FINAL = [255, 160, 60], [150, 150, 150], [220, 50, 50], [90, 170, 255]
+
+
+def rerun() -> Any:
+    try:
+        import rerun as module
+    except ImportError:
+        raise missing_extra("the viewer", "rerun-sdk", "view") from None
+    return module
+
+
+def blueprint(with_images: bool = True) -> Any:
+    """3-D left; colour, depth and curves right."""
+    import rerun.blueprint as rrb
+
+    curves = [
+        rrb.TimeSeriesView(origin="/inliers", name="share of inliers, overlap"),
+        rrb.TimeSeriesView(origin="/time", name="time of a frame [ms]"),
+        rrb.TextLogView(origin="/events", name="keyframes, losses"),
+    ]
+    images = rrb.Horizontal(
+        rrb.Spatial2DView(origin="/world/camera/image", name="colour, selected pixels"),
+        rrb.Spatial2DView(origin="/depth", name="depth"),
+    )
+    return rrb.Blueprint(
+        rrb.Horizontal(
+            rrb.Spatial3DView(origin="/world", name="path and keyframes"),
+            rrb.Vertical(*([images] if with_images else []), *curves),
+            column_shares=[3, 2],
+        ),
+        collapse_panels=True,
+    )
+
+
+def has_display() -> bool:
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def open_sinks(recording: Any, record: str | Path | None, live: bool, with_images: bool) -> None:
+    """To a file, a viewer of its own, or a page for browsers; says which."""
+    rr = rerun()
+    sinks = []
+    plan = blueprint(with_images)
+    if record is not None:
+        try:
+            Path(record).open("wb").close()
+        except OSError as error:
+            raise Error(f"{record}: cannot be written: {error.strerror}", 7) from None
+        sinks.append(rr.FileSink(str(record)))
+    if live and has_display():
+        rr.spawn(connect=False, port=GRPC_PORT)
+        sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{GRPC_PORT}/proxy"))
+    elif live:
+        address = f"rerun+http://127.0.0.1:{GRPC_PORT}/proxy"
+        serve_pages()
+        sinks.append(rr.GrpcSink(address))
+    recording.set_sinks(*sinks, default_blueprint=plan)
+
+
+SERVER: list[subprocess.Popen[bytes]] = []
+
+
+def serve_pages() -> None:
+    """Rerun's server and page, in a process of their own that ends with this one."""
+    command = [
+        sys.executable, "-m", "rerun", "--serve-web", "--bind", "127.0.0.1",
+        "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT),
+    ]  # fmt: skip
+    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    SERVER.append(server)
+    atexit.register(server.terminate)
+    print(
+        f"view: http://localhost:{WEB_PORT}/?url=rerun%2Bhttp://localhost:{GRPC_PORT}/proxy\n"
+        f"      from another machine first: ssh -L {WEB_PORT}:localhost:{WEB_PORT} "
+        f"-L {GRPC_PORT}:localhost:{GRPC_PORT} HOST",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def wait_for_pages() -> None:
+    """Until ctrl-C, while a page may still be looked at."""
+    if not SERVER or not sys.stdin.isatty():
+        return
+    print("view: still there; ctrl-C ends it", file=sys.stderr)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # the program has its own
+    try:
+        SERVER[-1].wait()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class Log:
+    """What the live view and that of a finished run write in the same way."""
+
+    def __init__(self) -> None:
+        self.rr = rerun()
+        self.out = self.rr.RecordingStream("edvo")
+
+    def line(self, name: str, positions: NDArray[Any], colour: list[int]) -> None:
+        if len(positions):
+            self.out.log(name, self.rr.LineStrips3D([positions], colors=[colour]))
+
+    def lines(self, name: str, trajectory: Trajectory, colour: list[int]) -> None:
+        """One for each segment."""
+        parts = [
+            trajectory.positions[trajectory.segments == segment]
+            for segment in np.unique(trajectory.segments)
+        ]
+        if parts:
+            self.out.log(name, self.rr.LineStrips3D(parts, colors=[colour]))
+
+    def at(self, stamp_ns: int) -> None:
+        self.out.set_time("stamp", timestamp=np.datetime64(stamp_ns, "ns"))
+
+    def pose(self, name: str, pose: NDArray[np.float64]) -> None:
+        self.out.log(name, self.rr.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3]))
+
+    def frustum(self, name: str, camera: Camera, distance: float) -> None:
+        self.out.log(
+            name,
+            self.rr.Pinhole(
+                image_from_camera=camera.matrix,
+                resolution=[camera.width, camera.height],
+                image_plane_distance=distance,
+            ),
+        )
+
+    def curves(self, inliers: float, overlap: float, milliseconds: float) -> None:
+        self.out.log("inliers/inliers", self.rr.Scalars(inliers))
+        self.out.log("inliers/overlap", self.rr.Scalars(overlap))
+        self.out.log("time/total", self.rr.Scalars(milliseconds))
+
+    def event(self, text: str, level: str = "INFO") -> None:
+        self.out.log("events", self.rr.TextLog(text, level=level))
+
+
+class RerunObserver(Observer):
+    """Hands frames to a thread of its own: a slow or dead viewer never holds up a run.
+
+    ``record``: a file, which gets every frame (writing it is waited for). ``live``: a viewer, which
+    gets those that it has time for; ``dropped`` counts the others.
+    """
+
+    def __init__(self, record: str | Path | None = None, *, live: bool = False) -> None:
+        self._log = Log()
+        open_sinks(self._log.out, record, live, with_images=True)
+        self._queue: queue.Queue[Any] = queue.Queue(WAITING)
+        self._lossless = record is not None and not live
+        self._live = live
+        self.dropped = 0  # frames that were not shown, as the viewer was behind
+        self.failure = ""  # why the viewer got no more
+        self._camera: Camera | None = None
+        self._truth: Trajectory | None = None
+        self._path: dict[int, list[NDArray[np.float64]]] = {}  # by segment
+        self._shown: dict[int, NDArray[np.float64]] = {}  # keyframes' poses
+        self._thread = threading.Thread(target=self._work, daemon=True)
+
+    def begin(self, source: SourceInfo) -> None:
+        self._camera, self._truth = source.camera, source.ground_truth
+        self._log.out.log("world", self._log.rr.ViewCoordinates.RDF, static=True)
+        self._thread.start()
+
+    def frame(self, result: FrameResult, image: Image) -> None:
+        self._hand_over(("frame", result, image))
+
+    def keyframe(self, keyframe: Keyframe) -> None:
+        self._hand_over(("keyframe", keyframe, None))
+
+    def map_changed(self, keyframes: list[KeyframePose]) -> None:
+        self._hand_over(("map", keyframes, None))
+
+    def skipped(self, index: int, stamp: str, reason: str) -> None:
+        self._hand_over(("event", f"frame {index} skipped: {reason}", "WARN"))
+
+    def warning(self, text: str) -> None:
+        self._hand_over(("event", text, "WARN"))
+
+    def _hand_over(self, item: Any) -> None:
+        if self.failure:
+            return
+        if self._lossless:
+            self._queue.put(item)
+            return
+        try:
+            self._queue.put_nowait(item)
+        except queue.Full:
+            self.dropped += item[0] == "frame"
+
+    def end(self, run: Run) -> None:
+        deadline = time.monotonic() + FLUSH_SECONDS
+        try:
+            self._queue.put(None, timeout=None if self._lossless else FLUSH_SECONDS)
+            self._thread.join(None if self._lossless else max(0.0, deadline - time.monotonic()))
+            if not self.failure and not self._thread.is_alive():
+                self._log_end(run)
+            self._log.out.flush(timeout_sec=max(1.0, deadline - time.monotonic()))
+        except Exception as error:  # noqa: BLE001: a dead viewer ends no run
+            self.failure = self.failure or str(error)
+        if self.failure:
+            print(f"view: {self.failure}", file=sys.stderr)
+        if self._live:
+            wait_for_pages()
+
+    def _log_end(self, run: Run) -> None:
+        log = self._log
+        log.lines("world/path_at_the_end", run.trajectory, FINAL)
+        if run.evaluation is not None and self._truth is not None:
+            pose = np.linalg.inv(run.evaluation.truth_from_estimate)
+            log.line("world/ground_truth", self._truth.positions @ pose[:3, :3].T + pose[:3, 3], TRUTH)
+            log.event(f"ATE {run.evaluation.ate.rmse:.4f} m")
+
+    def _work(self) -> None:
+        while (item := self._queue.get()) is not None:
+            kind, value, extra = item
+            if self.failure:
+                continue
+            try:
+                if kind == "frame":
+                    self._log_frame(value, extra)
+                elif kind == "keyframe":
+                    self._log_keyframe(value)
+                elif kind == "map":
+                    self._log_map(value)
+                else:
+                    self._log.event(value, extra)
+            except Exception as error:  # noqa: BLE001: the run goes on
+                self.failure = f"no more is shown: {error}"
+
+    def _log_frame(self, result: FrameResult, image: Image) -> None:
+        log, rr, camera = self._log, self._log.rr, self._camera
+        assert camera is not None
+        log.at(result.stamp_ns)
+        log.pose("world/camera", result.pose)
+        log.frustum("world/camera/image", camera, 0.3)
+        log.out.log("world/camera/image", rr.Image(image.rgb).compress(jpeg_quality=75))
+        millimetres = np.nan_to_num(np.clip(image.depth * 1000, 0, 65534)).astype(np.uint16)
+        log.out.log("depth", rr.DepthImage(millimetres, meter=1000.0))
+        if result.status == "lost":
+            log.event(f"lost: {result.loss_cause}", "WARN")
+        else:
+            path = self._path.setdefault(result.segment, [])
+            path.append(result.pose[:3, 3])
+            log.line(f"world/path/{result.segment}", np.array(path), PATH)
+        if result.status in ("restarted", "relocalized"):
+            log.event(f"{result.status}, segment {result.segment}", "WARN")
+        if result.new_keyframe is not None:
+            log.event(f"keyframe: {result.new_keyframe}")
+        log.curves(result.inlier_ratio, result.overlap, result.milliseconds["total"])
+
+    def _log_keyframe(self, keyframe: Keyframe) -> None:
+        log, rr, camera = self._log, self._log.rr, self._camera
+        assert camera is not None
+        name = f"world/keyframes/{keyframe.id}"
+        log.at(keyframe.stamp_ns)
+        log.pose(name, keyframe.pose)
+        self._shown[keyframe.id] = keyframe.pose
+        log.frustum(f"{name}/frustum", camera, 0.1)
+        points = keyframe.points
+        log.out.log(f"{name}/points", rr.Points3D(points, colors=keyframe.colours, radii=0.004))
+        pixels = points @ camera.matrix.T.astype(np.float32)
+        pixels = pixels[:, :2] / pixels[:, 2:]
+        # Selected pixels of the newest keyframe, at the place where its own image has them.
+        log.out.log("world/camera/image/selected", rr.Points2D(pixels, colors=[PATH], radii=0.8))
+
+    def _log_map(self, keyframes: list[KeyframePose]) -> None:
+        for keyframe in keyframes:
+            shown = self._shown.get(keyframe.id)
+            if shown is not None and np.abs(keyframe.pose - shown).max() > MOVED:
+                self._log.pose(f"world/keyframes/{keyframe.id}", keyframe.pose)
+                self._shown[keyframe.id] = keyframe.pose
+
+
+def show_file(file: Path) -> None:
+    """A recording, in Rerun's own viewer or on a page."""
+    rerun()
+    if not file.is_file():
+        raise Error(f"{file}: no such file", 3)
+    command = [sys.executable, "-m", "rerun", str(file)]
+    if not has_display():
+        command += ["--serve-web", "--bind", "127.0.0.1"]
+        command += ["--web-viewer-port", str(WEB_PORT), "--port", str(GRPC_PORT)]
+        print(f"view: http://localhost:{WEB_PORT}/?url=rerun%2Bhttp://localhost:{GRPC_PORT}/proxy")
+    subprocess.run(command, check=False)
+
+
+def show_run(folder: Path, record: str | Path | None = None) -> None:
+    """A run's folder: paths, keyframes and curves; images are in a recording only."""
+    for name in ("frames.jsonl", "trajectory.tum"):
+        if not (folder / name).is_file():
+            raise Error(f"{folder}: no run here ({name} is missing); edvo run -o writes one", 3)
+    log = Log()
+    open_sinks(log.out, record, live=record is None, with_images=False)
+    log.out.log("world", log.rr.ViewCoordinates.RDF, static=True)
+    log_run(log, folder)
+    log.out.flush()
+    if record is None:
+        wait_for_pages()
+
+
+def log_run(log: Log, folder: Path) -> None:
+    with (folder / "frames.jsonl").open(encoding="utf-8") as lines:
+        for line in lines:
+            frame = json.loads(line)
+            log.at(round(float(frame["stamp"]) * 1e9))
+            if frame["status"] == "skipped":
+                log.event(f"frame {frame['index']} skipped: {frame['reason']}", "WARN")
+                continue
+            if frame["status"] == "lost":
+                log.event(f"lost: {frame['loss_cause']}", "WARN")
+            if frame["keyframe_reason"]:
+                log.event(f"keyframe: {frame['keyframe_reason']}")
+            pose = Trajectory(np.zeros(1, np.int64), np.array([frame["pose"]])).poses[0]
+            log.pose("world/camera", pose)
+            log.curves(
+                frame["inlier_ratio"] or np.nan, frame["overlap"] or np.nan, frame["ms"]["total"]
+            )
+    trajectory = Trajectory.read(folder / "trajectory.tum")
+    log.lines("world/path_at_the_end", trajectory, FINAL)
+    if (folder / "keyframes.tum").is_file():
+        keyframes = Trajectory.read(folder / "keyframes.tum")
+        for i, pose in enumerate(keyframes.poses):
+            log.pose(f"world/keyframes/{i}", pose)
+    summary = folder / "summary.json"
+    evaluation = json.loads(summary.read_text(encoding="utf-8"))["evaluation"] if summary.is_file() else None
+    truth = Path(evaluation["ground_truth"]) if evaluation else None
+    if truth is not None and truth.is_file():
+        log_truth(log, Trajectory.read(truth), trajectory)
+
+
+def log_truth(log: Log, truth: Trajectory, trajectory: Trajectory) -> None:
+    from edvo.evaluation import evaluate
+
+    try:
+        pose = np.linalg.inv(evaluate(truth, trajectory).truth_from_estimate)
+    except Error:
+        return
+    log.line("world/ground_truth", truth.positions @ pose[:3, :3].T + pose[:3, 3], TRUTH)
