@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: MIT
+"""Trajectories and runs in other formats, read back by others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import edvo
+from edvo.cli import main
+
+
+@pytest.fixture(scope="module")
+def finished(sequence: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    edvo.run(sequence, output=folder, max_frames=30)
+    return folder
+
+
+def test_kitti_is_twelve_numbers_a_pose(finished: Path, tmp_path: Path) -> None:
+    assert main(["export", str(finished), str(tmp_path / "kitti.txt"), "--format", "kitti"]) == 0
+    rows = np.loadtxt(tmp_path / "kitti.txt").reshape(-1, 3, 4)
+    poses = edvo.Trajectory.read(finished / "trajectory.tum").poses
+    assert np.array_equal(rows, poses[:, :3])
+
+
+def test_evo_reads_kitti_and_euroc(finished: Path, tmp_path: Path) -> None:
+    file_interface = pytest.importorskip("evo.tools.file_interface")
+    trajectory = edvo.Trajectory.read(finished / "trajectory.tum")
+    trajectory.write(tmp_path / "kitti.txt", format="kitti")
+    kitti = file_interface.read_kitti_poses_file(str(tmp_path / "kitti.txt"))
+    assert np.allclose(kitti.positions_xyz, trajectory.positions, atol=1e-15)
+    assert main(["export", str(finished), str(tmp_path / "euroc.csv")]) == 0
+    euroc = file_interface.read_euroc_csv_trajectory(str(tmp_path / "euroc.csv"))
+    assert np.allclose(euroc.timestamps, trajectory.stamps, atol=1e-6)
+    assert np.array_equal(euroc.positions_xyz, trajectory.positions)
+    assert np.array_equal(euroc.orientations_quat_wxyz[:, 1:], trajectory.quaternions[:, :3])
+
+
+def test_euroc_comes_back(finished: Path, tmp_path: Path) -> None:
+    trajectory = edvo.Trajectory.read(finished / "trajectory.tum")
+    trajectory.write(tmp_path / "euroc.csv", format="euroc")
+    back = edvo.Trajectory.read(tmp_path / "euroc.csv")
+    assert np.array_equal(back.stamps_ns, trajectory.stamps_ns)
+    assert np.allclose(back.values, trajectory.values, rtol=0, atol=1e-15)
+
+
+def messages(file: Path) -> dict[str, list[tuple[int, object]]]:
+    """By topic, decoded by the library mcap-ros2-support where it is there, else by rosbags."""
+    bag_reader = pytest.importorskip("edvo.sources.bag_reader")
+    found: dict[str, list[tuple[int, object]]] = {}
+    with bag_reader.open_bag(file) as reader:
+        for connection, stamp, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            found.setdefault(connection.topic, []).append((stamp, message))
+    return found
+
+
+def test_mcap_has_the_frames_and_the_path(sequence: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rosbags")
+    file = tmp_path / "run.mcap"
+    command = ["run", str(sequence), "--max-frames", "20", "-o", str(tmp_path / "out")]
+    assert main([*command, "--mcap", str(file), "--quiet"]) == 0
+    trajectory = edvo.Trajectory.read(tmp_path / "out" / "trajectory.tum")
+    online = edvo.Trajectory.read(tmp_path / "out" / "trajectory_online.tum")
+    found = messages(file)
+    path = found["/edvo/path"][0][1].poses  # type: ignore[attr-defined]
+    assert np.allclose([p.pose.position.x for p in path], trajectory.positions[:, 0], atol=1e-8)
+    links = [message.transforms[0] for _, message in found["/tf"]]  # type: ignore[attr-defined]
+    assert np.allclose([t.transform.translation.z for t in links], online.positions[:, 2], atol=1e-8)
+    assert links[0].header.frame_id == "odom"
+    covariance = found["/edvo/pose"][5][1].pose.covariance.reshape(6, 6)  # type: ignore[attr-defined]
+    assert np.allclose(covariance, covariance.T) and (np.linalg.eigvalsh(covariance) > 0).all()
+    cloud = found["/edvo/keyframe_points"][0][1]
+    assert cloud.width > 500 and cloud.data.size == 16 * cloud.width  # type: ignore[attr-defined]
+    # And it is a recording that can be tracked again: depth is in millimetres there.
+    again = edvo.open_source(file)
+    original = edvo.open_source(sequence)
+    for a, b in zip(again, original):
+        assert a.stamp_ns == b.stamp_ns and np.array_equal(a.rgb, b.rgb)
+        assert np.nanmax(np.abs(a.depth - b.depth)) <= 0.00051
+    assert again.ground_truth is not None and again.camera == original.camera
+
+
+def test_mcap_is_what_its_own_library_writes_for(finished: Path, tmp_path: Path) -> None:
+    reader_module = pytest.importorskip("mcap.reader")
+    assert main(["export", str(finished), str(tmp_path / "path.mcap")]) == 0
+    with (tmp_path / "path.mcap").open("rb") as stream:
+        reader = reader_module.make_reader(stream)
+        assert reader.get_header().profile == "ros2"
+        summary = reader.get_summary()
+    topics = {channel.topic for channel in summary.channels.values()}
+    assert topics == {"/tf", "/edvo/path"}
+    assert summary.statistics.message_count == 31
+
+
+def test_a_format_or_a_place_that_cannot_be_is_named(finished: Path) -> None:
+    trajectory = edvo.Trajectory.read(finished / "trajectory.tum")
+    with pytest.raises(ValueError, match="one of tum, kitti, euroc, mcap"):
+        trajectory.write("x", format="bvh")
+    for format in ("tum", "kitti", "euroc"):
+        with pytest.raises(edvo.Error, match="/proc/nowhere") as caught:
+            trajectory.write("/proc/nowhere", format=format)
+        assert caught.value.code == 7
