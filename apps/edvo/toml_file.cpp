@@ -20,9 +20,9 @@ void refuse(const TomlFile& file, const toml::node& node, const std::string& wha
 toml::table parse_toml(const TomlFile& file) {
   constexpr std::size_t kLargestFile = 1 << 24;  // [bytes]
   const std::string text = read_file(file.path, kLargestFile);
-  if (const auto line = line_nested_too_deeply_in_toml(text))
+  if (const auto fault = fault_in_toml(text))
     throw Error(ErrorCode::kConfig,
-                fmt::format("{}:{}: nested too deeply", file.path.string(), *line));
+                fmt::format("{}:{}: {}", file.path.string(), fault->line, fault->what));
   try {
     return toml::parse(text, file.path.string());
   } catch (const toml::parse_error& error) {

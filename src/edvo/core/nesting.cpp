@@ -35,8 +35,10 @@ std::size_t skip_json(std::string_view text, std::size_t i) {
   return text[i] == '"' ? end_of_string(text, i, "\"", true) : i;
 }
 
+constexpr std::string_view kNested = "nested too deeply";
+
 template <typename Skip>
-std::optional<int> line_nested_too_deeply(std::string_view text, bool dots_nest, Skip skip) {
+std::optional<TomlFault> find_fault(std::string_view text, bool is_toml, Skip skip) {
   constexpr std::string_view kEndsKey = "=,[]{}\n";
   int line = 1, depth = 0, dots = 0;
   for (std::size_t i = 0; i < text.size();) {
@@ -50,8 +52,10 @@ std::optional<int> line_nested_too_deeply(std::string_view text, bool dots_nest,
     if (c == '[' || c == '{') ++depth;
     if ((c == ']' || c == '}') && depth > 0) --depth;
     if (kEndsKey.find(c) != std::string_view::npos) dots = 0;
-    if (c == '.' && dots_nest) ++dots;
-    if (depth > kDeepestNesting || dots >= kDeepestNesting) return line;
+    if (c == '.' && is_toml) ++dots;
+    if (depth > kDeepestNesting || dots >= kDeepestNesting) return TomlFault{line, kNested};
+    if (is_toml && static_cast<unsigned char>(c) > 0x7F)
+      return TomlFault{line, "a character outside of quotes that is not ASCII"};
     if (c == '\n') ++line;
   }
   return std::nullopt;
@@ -59,12 +63,15 @@ std::optional<int> line_nested_too_deeply(std::string_view text, bool dots_nest,
 
 }  // namespace
 
-std::optional<int> line_nested_too_deeply_in_toml(std::string_view text) {
-  return line_nested_too_deeply(text, true, skip_toml);
+std::optional<TomlFault> fault_in_toml(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return find_fault(text, true, skip_toml);
 }
 
 std::optional<int> line_nested_too_deeply_in_json(std::string_view text) {
-  return line_nested_too_deeply(text, false, skip_json);
+  const auto fault = find_fault(text, false, skip_json);
+  return fault ? std::optional(fault->line) : std::nullopt;
 }
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How deeply a text nests, found before a parser that calls itself reads it.
+// What a text may not hold, found before a parser reads it that cannot cope with it.
 #pragma once
 
 #include <optional>
@@ -10,11 +10,19 @@ namespace edvo {
 // No file of ours nests more than four deep.
 inline constexpr int kDeepestNesting = 32;
 
-// The first line [1..] where the TOML text opens more than kDeepestNesting brackets and braces
-// within each other, or joins more than that many parts of a key by dots; empty if there is none.
-[[nodiscard]] std::optional<int> line_nested_too_deeply_in_toml(std::string_view text);
+struct TomlFault {
+  int line = 1;           // [1..]
+  std::string_view what;  // "nested too deeply"
+};
 
-// The same of JSON text, for brackets and braces.
+// The first place where the TOML text opens more than kDeepestNesting brackets and braces within
+// each other, joins more than that many parts of a key by dots, or has a character outside of
+// quotes and comments that is not ASCII: no TOML, but toml++ 3.3 takes it for impossible. Empty if
+// there is none.
+[[nodiscard]] std::optional<TomlFault> fault_in_toml(std::string_view text);
+
+// The first line [1..] where the JSON text opens more than kDeepestNesting brackets and braces
+// within each other; empty if there is none.
 [[nodiscard]] std::optional<int> line_nested_too_deeply_in_json(std::string_view text);
 
 }  // namespace edvo

@@ -88,8 +88,9 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
 }
 
 toml::table parse_table(const path& file, std::string_view text) {
-  if (const auto line = line_nested_too_deeply_in_toml(text))
-    fail_camera(file, fmt::format("line {}: nested too deeply", *line));
+  if (const auto fault = fault_in_toml(text))
+    throw Error(ErrorCode::kCalibration,
+                fmt::format("{}:{}: {}", file.string(), fault->line, fault->what));
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& error) {

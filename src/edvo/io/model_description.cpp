@@ -178,8 +178,8 @@ bool is_hash(std::string_view text) {
 }  // namespace
 
 ModelDescription model_description_from_toml(std::string_view text, const std::string& source) {
-  if (const auto line = line_nested_too_deeply_in_toml(text))
-    throw Error(ErrorCode::kModel, fmt::format("{}:{}: nested too deeply", source, *line));
+  if (const auto fault = fault_in_toml(text))
+    throw Error(ErrorCode::kModel, fmt::format("{}:{}: {}", source, fault->line, fault->what));
   toml::table table;
   try {
     table = toml::parse(text, source);

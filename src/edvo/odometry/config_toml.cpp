@@ -259,8 +259,8 @@ std::string line_of(const toml::node& node, const std::string& source) {
 }
 
 toml::table parse(std::string_view text, const std::string& source) {
-  if (const auto line = line_nested_too_deeply_in_toml(text))
-    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: nested too deeply", source, *line));
+  if (const auto fault = fault_in_toml(text))
+    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: {}", source, fault->line, fault->what));
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
