@@ -27,6 +27,9 @@ from edvo.trajectory import Trajectory
 
 WAITING = 8  # frames that the viewer may be behind; further ones are not shown
 GRPC_PORT, WEB_PORT = 9876, 9090
+IMAGE_PERIOD = 0.15  # [s], between the images that a live viewer gets: encoding them costs time
+PATH_PERIOD = 10  # frames between two drawings of the path in a recording
+SWITCH_SECONDS = 5e-4  # after which a thread of Python lets another one run; Python's own is 5e-3
 FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
 MOVED = 1e-4  # [m, rad] of a keyframe that is shown anew
 PATH, TRUTH, LOST, FINAL = [255, 160, 60], [150, 150, 150], [220, 50, 50], [90, 170, 255]
@@ -172,7 +175,7 @@ class RerunObserver(Observer):
     """Hands frames to a thread of its own: a slow or dead viewer never holds up a run.
 
     ``record``: a file, which gets every frame (writing it is waited for). ``live``: a viewer, which
-    gets those that it has time for; ``dropped`` counts the others.
+    gets those that it has time for, some with their images; ``dropped`` counts the others.
     """
 
     def __init__(self, record: str | Path | None = None, *, live: bool = False) -> None:
@@ -187,11 +190,15 @@ class RerunObserver(Observer):
         self._truth: Trajectory | None = None
         self._path: dict[int, list[NDArray[np.float64]]] = {}  # by segment
         self._shown: dict[int, NDArray[np.float64]] = {}  # keyframes' poses
+        self._count = 0
+        self._last_image = -1e9  # [s]
+        self._switch_interval = sys.getswitchinterval()
         self._thread = threading.Thread(target=self._work, daemon=True)
 
     def begin(self, source: SourceInfo) -> None:
         self._camera, self._truth = source.camera, source.ground_truth
         self._log.out.log("world", self._log.rr.ViewCoordinates.RDF, static=True)
+        sys.setswitchinterval(SWITCH_SECONDS)  # tracking waits no longer than that to hand over
         self._thread.start()
 
     def frame(self, result: FrameResult, image: Image) -> None:
@@ -221,6 +228,7 @@ class RerunObserver(Observer):
             self.dropped += item[0] == "frame"
 
     def end(self, run: Run) -> None:
+        sys.setswitchinterval(self._switch_interval)
         deadline = time.monotonic() + FLUSH_SECONDS
         try:
             self._queue.put(None, timeout=None if self._lossless else FLUSH_SECONDS)
@@ -265,16 +273,21 @@ class RerunObserver(Observer):
         assert camera is not None
         log.at(result.stamp_ns)
         log.pose("world/camera", result.pose)
-        log.frustum("world/camera/image", camera, 0.3)
-        log.out.log("world/camera/image", rr.Image(image.rgb).compress(jpeg_quality=75))
-        millimetres = np.nan_to_num(np.clip(image.depth * 1000, 0, 65534)).astype(np.uint16)
-        log.out.log("depth", rr.DepthImage(millimetres, meter=1000.0))
+        now = time.monotonic()
+        if not self._live or now - self._last_image >= IMAGE_PERIOD:
+            self._last_image = now
+            log.frustum("world/camera/image", camera, 0.3)
+            log.out.log("world/camera/image", rr.Image(image.rgb).compress(jpeg_quality=75))
+            millimetres = np.nan_to_num(np.clip(image.depth * 1000, 0, 65534)).astype(np.uint16)
+            log.out.log("depth", rr.DepthImage(millimetres, meter=1000.0))
         if result.status == "lost":
             log.event(f"lost: {result.loss_cause}", "WARN")
         else:
             path = self._path.setdefault(result.segment, [])
             path.append(result.pose[:3, 3])
-            log.line(f"world/path/{result.segment}", np.array(path), PATH)
+            if self._count % PATH_PERIOD == 0:
+                log.line(f"world/path/{result.segment}", np.array(path), PATH)
+        self._count += 1
         if result.status in ("restarted", "relocalized"):
             log.event(f"{result.status}, segment {result.segment}", "WARN")
         if result.new_keyframe is not None:
