@@ -38,11 +38,12 @@ struct DistortedCamera {
 // The coefficients of that model: 5, 8 or 4.
 [[nodiscard]] std::span<const double> distortion_coefficients(const DistortedCamera& camera);
 
-// (x, y) of the ray (x, y, 1) to where an ideal pinhole would have to see it to have it in the
-// distorted image: multiplied by fx, fy, shifted by cx, cy, that is its pixel.
+// ray: (x / z, y / z) of a point in the camera's frame. Returns the distorted normalized
+// coordinates: its pixel in the distorted image is (fx * x + cx, fy * y + cy).
 [[nodiscard]] Eigen::Vector2d distort(const DistortedCamera& camera, const Eigen::Vector2d& ray);
 
-// The other way round, by Newton's method with numeric derivatives.
+// The inverse of distort(), by Newton's method with numeric derivatives. Both in normalized
+// coordinates.
 [[nodiscard]] Eigen::Vector2d undistort(const DistortedCamera& camera,
                                         const Eigen::Vector2d& distorted);
 

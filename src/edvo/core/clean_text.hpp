@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Text from outside, made safe to show.
+// Makes text from outside safe to print.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace edvo {
 
-// The text as valid UTF-8 that only says something: '?' stands for each byte that is no UTF-8 and
-// for each character that controls a terminal or turns the direction of writing. Line breaks and
-// tabs stay.
+// The text as valid UTF-8 without control characters: '?' replaces each byte that is not UTF-8 and
+// each character that controls a terminal or changes the writing direction. Line breaks and tabs
+// stay.
 [[nodiscard]] std::string clean_text(std::string_view text);
 
 }  // namespace edvo

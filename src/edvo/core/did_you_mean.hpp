@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The hint for a word that is nearly a known one.
+// Suggests a known word for a misspelled one.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace edvo {
 
-// ", did you mean 'levels'?" with the nearest candidate; empty where none is near enough to be a
-// slip of the fingers.
+// ", did you mean 'levels'?" with the nearest candidate; empty if no candidate is close
+// enough for a typing error.
 [[nodiscard]] std::string did_you_mean(std::string_view word,
                                        std::span<const std::string> candidates);
 

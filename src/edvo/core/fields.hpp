@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How an options struct lists itself, once, for configuration files, command line, docs and checks.
+// How an options struct lists its fields once, for configuration files, command line and checks.
 //
 // Beside each options struct stands one function template:
 //

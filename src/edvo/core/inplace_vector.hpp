@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A few values without the heap: as much as is needed here of C++26's std::inplace_vector.
+// A vector of fixed capacity without heap memory: the subset of C++26's std::inplace_vector that
+// edvo uses.
 #pragma once
 
 #include <array>

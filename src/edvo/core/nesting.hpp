@@ -7,7 +7,7 @@
 
 namespace edvo {
 
-// No file of ours nests more than four deep.
+// edvo's own files nest at most four deep.
 inline constexpr int kDeepestNesting = 32;
 
 struct TomlFault {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Small random numbers by counting: the same on every machine, cheap to seed by what they are for.
+// A counter-based random number generator: the same on every machine, and cheap to seed.
 #pragma once
 
 #include <cstdint>

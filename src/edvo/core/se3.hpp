@@ -30,10 +30,10 @@ struct SE3 {
   return {.rotation = rotation, .translation = -(rotation * a.translation)};
 }
 
-// [v]x, so that [v]x w = v x w.
+// The skew-symmetric matrix of v: hat(v) * w is the cross product of v and w.
 [[nodiscard]] Eigen::Matrix3d hat(const Eigen::Vector3d& v);
 
-// The motion of the twist xi = (rho [m], phi [rad]); exact, also near zero.
+// The exponential map of SE(3); xi = (rho [m], phi [rad]). Accurate also near zero.
 [[nodiscard]] SE3 exp(const Vector6d& xi);
 
 // The inverse of exp; the rotation angle of the result lies in [0, pi].

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The fingerprint by which a model file is known (FIPS 180-4).
+// SHA-256 (FIPS 180-4), which identifies model files and cached edge maps.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Time stamps that survive a round trip: integer nanoseconds and the number of decimals they came
-// with.
+// Time stamps that are written exactly as they were read: integer nanoseconds and a number of
+// decimals.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Stamp {
 };
 
 // Parses "1305031102.175304" (optional sign, optional fraction, optional exponent). Digits past the
-// ninth decimal are rounded. Empty where the text is not a finite number or does not fit.
+// ninth decimal are rounded. None if the text is not a finite number or out of range.
 [[nodiscard]] std::optional<Stamp> parse_stamp(std::string_view text);
 
 [[nodiscard]] std::string to_string(const Stamp& stamp);
@@ -33,7 +33,7 @@ struct Stamp {
   return static_cast<double>(stamp.nanoseconds) * 1e-9;
 }
 
-// later - earlier, exact in the difference whatever the epoch. [s]
+// later - earlier [s]; the difference is exact before it is converted to double.
 [[nodiscard]] inline double seconds_between(const Stamp& earlier, const Stamp& later) {
   return static_cast<double>(later.nanoseconds - earlier.nanoseconds) * 1e-9;
 }

@@ -12,7 +12,7 @@ namespace edvo {
 struct StampedPose {
   Stamp stamp;
   SE3 world_from_camera;
-  int segment = 0;  // between poses of two segments no motion is known
+  int segment = 0;  // the motion between poses of different segments is not known
 };
 
 using Trajectory = std::vector<StampedPose>;  // ordered by stamp

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The motion that lays one set of points best on another (Horn 1987, Umeyama 1991).
+// The rigid motion or similarity that best maps one set of points to another (Horn 1987, Umeyama
+// 1991).
 #pragma once
 
 #include "edvo/core/fields.hpp"
@@ -10,9 +11,9 @@
 namespace edvo {
 
 enum class AlignmentKind {
-  kNone,  // the estimate stays where it is
+  kNone,  // no alignment
   kSe3,   // rotation and translation
-  kSim3,  // and scale, for cameras that cannot know it
+  kSim3,  // and scale, for cameras without metric scale
 };
 
 template <>
@@ -30,10 +31,10 @@ struct Similarity {
   SE3 motion;  // rotation and translation, applied after the scale
 };
 
-// Minimizes the sum of squared distances between target and similarity * source. Columns belong
-// together. Always a proper rotation, also where the points leave it open (a line, a single place);
-// scale stays 1 where the source does not move. Throws Error(kEvaluation) below three points unless
-// alignment is kNone.
+// Minimizes the sum of squared distances between target and similarity * source, both 3 x N [m];
+// equal columns correspond. Always a proper rotation, also where the points do not determine it (a
+// line, a single place); scale stays 1 if the source does not move. Throws Error(kEvaluation) for
+// fewer than three points unless alignment is kNone.
 [[nodiscard]] Similarity align(const Eigen::Matrix3Xd& target, const Eigen::Matrix3Xd& source,
                                AlignmentKind alignment);
 
@@ -41,7 +42,7 @@ struct Similarity {
   return a.motion * Eigen::Vector3d(a.scale * point);
 }
 
-// The poses as seen from the target.
+// The poses expressed in the target frame; positions are scaled.
 [[nodiscard]] Trajectory transformed(const Similarity& target_from_source,
                                      const Trajectory& trajectory);
 

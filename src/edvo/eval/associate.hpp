@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which pose of the estimate belongs to which pose of the ground truth.
+// Pairs the poses of an estimate with those of the ground truth by time.
 #pragma once
 
 #include "edvo/core/fields.hpp"
@@ -10,7 +10,7 @@
 
 namespace edvo {
 
-// Whose rules an evaluation follows. They differ in small ways that change the last digits.
+// Whose rules an evaluation follows. Small differences between them change the last digits.
 enum class Protocol {
   kTum,  // the scripts of the TUM RGB-D benchmark; the ones that papers quote
   kEvo,  // the evo package

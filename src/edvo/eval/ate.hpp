@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Absolute trajectory error: distances of the aligned estimate's positions from the ground truth's.
+// Absolute trajectory error: distances between the positions of the aligned estimate and of the
+// ground truth.
 #pragma once
 
 #include "edvo/eval/align.hpp"
@@ -22,7 +23,7 @@ struct Ate {
   std::vector<AteError> errors;  // one per match, in order of time
 };
 
-// Throws Error(kEvaluation) where there are too few matches to align.
+// Throws Error(kEvaluation) if there are too few matches to align.
 [[nodiscard]] Ate absolute_trajectory_error(const Trajectory& truth, const Trajectory& estimate,
                                             const std::vector<Match>& matches,
                                             AlignmentKind alignment);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The whole comparison of an estimate with ground truth in one call.
+// Compares an estimate with ground truth: ATE, RPE, drift and coverage in one call.
 #pragma once
 
 #include "edvo/eval/ate.hpp"
@@ -19,11 +19,11 @@ struct EvalOptions {
   int frames = 0;  // images that the estimate was made from, 0 = unknown
 };
 
-// How far the end is from where it should be, with the first matched poses laid on each other.
+// Position error at the end after the first matched poses have been aligned.
 struct Drift {
   double distance = 0;            // [m]
   double path_length = 0;         // of the ground truth at the matched poses [m]
-  std::optional<double> percent;  // of that path; none where the ground truth stands still
+  std::optional<double> percent;  // of that path; none if the ground truth does not move
 };
 
 struct Evaluation {
@@ -33,20 +33,20 @@ struct Evaluation {
   double seconds = 0;          // from the first match to the last
   double coverage = 0;         // [0..1], see describe_coverage()
   Ate ate;
-  std::optional<Rpe> rpe;  // none where no two poses are delta apart
+  std::optional<Rpe> rpe;  // none if no two poses are delta apart
   Drift drift;
   std::vector<std::string> warnings;
 };
 
-// Throws Error(kUsage) for impossible options, Error(kEvaluation) where no pose or too few have
-// ground truth. With kSim3 the scale found for the ATE also goes into RPE and drift.
+// Throws Error(kUsage) for impossible options, Error(kEvaluation) if no pose or too few have ground
+// truth. With kSim3 the scale found for the ATE is also applied for RPE and drift.
 [[nodiscard]] Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
                                   const EvalOptions& options = {});
 
-// One line that must stand beside every number: which poses, aligned how, over which delta.
+// One line to print beside every number: which poses, how they are aligned, over which delta.
 [[nodiscard]] std::string describe_protocol(const EvalOptions& options);
 
-// What coverage is a part of: the frames where their number is known, else the estimate's poses.
+// What coverage is a share of: the frames if their number is known, else the estimate's poses.
 [[nodiscard]] std::string describe_coverage(const EvalOptions& options);
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Relative pose error: how wrong the motion over a given time or way is, whatever was before.
+// Relative pose error: the error of the motion over a given time or path length.
 #pragma once
 
 #include "edvo/eval/associate.hpp"
@@ -25,7 +25,7 @@ struct Delta {
 [[nodiscard]] Delta parse_delta(std::string_view text);
 [[nodiscard]] std::string to_string(const Delta& delta);
 
-// What an error over delta is said in, after "m" or "deg": "/s", "/frame", " per 30 frames".
+// The unit of an error over delta, to append to "m" or "deg": "/s", "/frame", " per 30 frames".
 [[nodiscard]] std::string per_delta(const Delta& delta);
 
 struct RpeOptions {
@@ -45,15 +45,15 @@ struct Rpe {
   Statistics translation;        // over delta [m]
   Statistics rotation;           // over delta [deg]
   std::vector<RpeError> errors;  // one per pair, in order of time unless sampled
-  // Pairs of a pose with itself: where the estimate has a gap of more than twice delta, no other
-  // pose is nearer. The scripts count them, as errors of zero, and so do we; but we say it.
+  // Pairs of a pose with itself, which occur at gaps of more than twice delta. The TUM scripts
+  // count them as errors of zero, and so does edvo, but with a warning.
   std::size_t void_pairs = 0;
 };
 
 // TUM: each pose of the estimate with the one nearest to delta later, except with the last one;
-// ground truth by nearest stamp within twice its median interval; max_difference has no say.
+// ground truth by nearest stamp within twice its median interval; max_difference is not used.
 // Evo: matched poses 0, delta, 2 delta...; frames only, otherwise throws Error(kUsage).
-// Empty where no two poses are delta apart.
+// None if no two poses are delta apart.
 [[nodiscard]] std::optional<Rpe> relative_pose_error(const Trajectory& truth,
                                                      const Trajectory& estimate,
                                                      const AssociateOptions& association,

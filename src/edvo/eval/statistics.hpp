@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is said about a set of errors.
+// Statistics of a set of errors.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,7 @@ struct Statistics {
 
 [[nodiscard]] Statistics statistics(const std::vector<double>& values);
 
-// Of an even number of values the mean of the middle two; 0 of none.
+// For an even number of values the mean of the middle two; 0 for no values.
 [[nodiscard]] double median(std::vector<double> values);
 
 }  // namespace edvo

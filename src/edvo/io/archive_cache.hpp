@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The folder that keeps unpacked archives: what is in it, and how it stays small.
+// The cache folder of unpacked archives: its contents and its size limit.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,15 @@ struct CachedArchive {
   std::filesystem::file_time_type used;
 };
 
-// What unpack_archive() has left there, the longest unused first. Other files are not listed. No
-// folder, no archives.
+// The archives that unpack_archive() has put there, longest unused first. Other files are not
+// listed. Empty if there is no such folder.
 [[nodiscard]] std::vector<CachedArchive> cached_archives(const std::filesystem::path& cache);
 
-// Removes one of them. A program that reads from it fails at its next image.
+// Removes one of them. A program that still reads from it fails at its next image.
 void remove_cached(const CachedArchive& archive);
 
-// Removes the longest unused until the rest is at most so large. Those used within a day stay.
+// Removes the longest unused archives until the rest has at most `largest` bytes. Archives used
+// within the last day stay.
 void limit_cache(const std::filesystem::path& cache, std::uintmax_t largest);
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which camera took a data set.
+// Chooses the camera of a data set.
 #pragma once
 
 #include "edvo/core/camera.hpp"
@@ -20,25 +20,26 @@ struct ChosenCamera {
 };
 
 struct CameraOptions {
-  std::optional<std::filesystem::path> file = {};  // empty = as the folder or the names tell
-  cv::Size size = {};  // [px] of the images that it was calibrated with, empty = those of the data
+  std::optional<std::filesystem::path> file = {};  // empty = by the folder or its name
+  cv::Size size = {};  // [px] of the calibration images, empty = that of the data
 };
 
 // The calibration file if one is given; else one in the dataset's folder (camera.toml,
-// camera.yaml, calibration.txt, camera_info.yaml, intrinsics.txt, ...); else the preset that the
-// names tell. Scaled to the images if options.size says that it is for others. Throws
-// Error(kCalibration) that says what can be done if there is none.
+// camera.yaml, calibration.txt, camera_info.yaml, intrinsics.txt, ...); else the preset of
+// the data set's name. Scaled to the images if options.size is another size. Throws
+// Error(kCalibration), with possible remedies, if there is none.
 [[nodiscard]] ChosenCamera choose_camera(const Dataset& dataset, const CameraOptions& options = {});
 
 // The calibration file in a folder, by its name.
 [[nodiscard]] std::optional<std::filesystem::path> camera_file_in(
     const std::filesystem::path& folder);
 
-// The same lens and sensor with its image resized, each side for itself.
+// The same lens and sensor after its image was resized to `size`; width and height may scale
+// differently.
 [[nodiscard]] DistortedCamera resized(const DistortedCamera& camera, cv::Size size);
 
-// Intrinsics that hardly any camera has but those of images of another size have: a principal point
-// more than 10 % off the middle, a field of view below 25 or above 130 degrees.
+// Warnings about intrinsics that suggest images of another size: a principal point more than 10 %
+// off the middle, a field of view below 25 or above 130 degrees.
 [[nodiscard]] std::vector<std::string> check_intrinsics(const DistortedCamera& camera);
 
 }  // namespace edvo

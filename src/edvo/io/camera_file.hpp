@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Calibrations of one camera from and to files.
+// Reads and writes the calibration of one camera.
 #pragma once
 
 #include "edvo/core/camera.hpp"
@@ -21,9 +21,9 @@ namespace edvo {
 // - Kalibr camchain YAML: cam0 is taken; pinhole with radtan, equidistant or no distortion
 // - JSON: fx, fy, cx, cy (NICE-SLAM's cam_params.json), or Open3D's intrinsic_matrix
 // - numbers: fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]], or the 3 x 3 or 4 x 4 matrix row by row
-// image_size is that of the images; an empty one is taken from the file. Throws
-// Error(kCalibration) if the file is none of these, has another camera model, is for images of
-// another size or cannot be right.
+// image_size: that of the images [px]; if empty, the file must state it. Throws Error(kCalibration)
+// if the file is none of these, has another camera model, is for images of another size or has
+// impossible values.
 [[nodiscard]] DistortedCamera read_camera(const std::filesystem::path& file, cv::Size image_size);
 
 struct StatedDepthScale {
@@ -31,12 +31,12 @@ struct StatedDepthScale {
   std::string key;  // what the file calls it
 };
 
-// What a camera file says of depth: depth_scale, or ORB-SLAM's DepthMapFactor and
-// RGBD.DepthMapFactor. None if it says nothing, is no camera file or cannot be read: read_camera()
-// tells that. Throws Error(kCalibration) if it is not a positive number.
+// The depth scale that a camera file states: depth_scale, or ORB-SLAM's DepthMapFactor and
+// RGBD.DepthMapFactor. None if it states none, is no camera file or cannot be read (read_camera()
+// reports that). Throws Error(kCalibration) if it is not a positive number.
 [[nodiscard]] std::optional<StatedDepthScale> stated_depth_scale(const std::filesystem::path& file);
 
-// What looks wrong about a file that can be read: an equidistant lens with more than its four
+// A warning about a file that can be read but looks wrong: an equidistant lens with more than four
 // coefficients. Throws what read_camera() throws.
 [[nodiscard]] std::optional<std::string> camera_file_warning(const std::filesystem::path& file);
 

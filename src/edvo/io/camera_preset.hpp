@@ -13,7 +13,7 @@ namespace edvo {
 
 struct CameraPreset {
   std::string name;        // "TUM freiburg1"
-  std::string recognised;  // what gave it away: "'fr1' in the name fr1_xyz"
+  std::string recognised;  // by what: "'fr1' in the name fr1_xyz"
   DistortedCamera camera;
   double depth_scale = 5000;  // [units/m]
 };

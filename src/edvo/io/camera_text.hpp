@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts that camera files of every format are made of.
+// Parsing of camera files, shared by all formats.
 #pragma once
 
 #include "edvo/core/camera.hpp"
@@ -27,8 +27,8 @@ struct StatedCamera {
 // Throws Error(kCalibration) "FILE: reason".
 [[noreturn]] void fail_camera(const std::filesystem::path& file, std::string_view reason);
 
-// By any of the names in use: plumb_bob, radtan, rational_polynomial; equidistant, fisheye. None if
-// it is another model. No name at all is the polynomial.
+// The lens model of any name in use: plumb_bob, radtan, rational_polynomial; equidistant, fisheye.
+// None for another model. An empty name means the polynomial.
 [[nodiscard]] std::optional<LensModel> lens_model(std::string_view name);
 
 // The names above, for messages.
@@ -38,7 +38,7 @@ struct StatedCamera {
 void set_matrix(StatedCamera& camera, const std::filesystem::path& file,
                 std::span<const double> row_by_row);
 
-// Throws Error(kCalibration) if the text is no YAML or describes no camera that we know.
+// Throws Error(kCalibration) if the text is no YAML or describes no camera that edvo knows.
 [[nodiscard]] StatedCamera parse_camera_yaml(const std::filesystem::path& file,
                                              std::string_view text);
 

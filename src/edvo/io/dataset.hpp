@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An RGB-D sequence on disk: which images there are, which belong together, and reading them.
+// An RGB-D sequence on disk: its images, their pairs, and reading them.
 #pragma once
 
 #include "edvo/core/rgbd_image.hpp"
@@ -16,14 +16,14 @@
 namespace edvo {
 
 struct DatasetOptions {
-  // [units/m], empty = as the camera's file says, or by the name or the layout
+  // [units/m], empty = from the camera's file, else by the name or the layout
   std::optional<double> depth_scale = {};
   std::optional<std::filesystem::path> camera_file = {};  // empty = the one in the folder, if any
   double assumed_rate = 30;          // [Hz] of numbered frames, which have no stamps
   double largest_gap = 0.02;         // [s] between a colour image and its depth image
   std::filesystem::path cache = {};  // where archives are unpacked; needed only for them
-  // Told the share of an archive that is unpacked [0..1], several times a second. What it throws
-  // ends the unpacking, leaves nothing behind and passes through.
+  // Called with the unpacked share of an archive [0..1], several times a second. An exception that
+  // it throws ends the unpacking, removes what was unpacked and is passed on.
   std::function<void(double)> on_unpack = nullptr;
 };
 
@@ -59,12 +59,13 @@ struct Dataset {
 //   results/frame*.jpg + depth*.png     Replica as NICE-SLAM renders it
 // Colour larger than depth is refused, except in ScanNet's layout (color/, depth/, intrinsic/):
 // there it is shrunk to the depth's size, whose intrinsics then hold.
-// Throws Error(kInput) if there is no sequence, nothing fits together or no frame can be read,
+// Throws Error(kInput) if there is no sequence, no images pair up or no frame can be read,
 // Error(kOutput) if an archive cannot be unpacked.
 [[nodiscard]] Dataset open_dataset(const std::filesystem::path& source,
                                    const DatasetOptions& options = {});
 
-// Throws Error(kInput) about that frame only: images missing, damaged or of other sizes.
+// index: into dataset.frames. Throws Error(kInput) if the images of that frame are missing, damaged
+// or of another size than the first.
 [[nodiscard]] RgbdImage read_frame(const Dataset& dataset, std::size_t index);
 
 }  // namespace edvo

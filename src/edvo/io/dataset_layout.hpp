@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The ways in which RGB-D sequences are laid out in a folder.
+// The folder layouts of RGB-D sequences that edvo reads.
 #pragma once
 
 #include "edvo/io/dataset.hpp"
 
 namespace edvo {
 
-// What a folder says about its frames.
+// The frames found in a folder.
 struct Listing {
   std::string layout;
   std::vector<FrameEntry> frames;  // ordered by stamp
@@ -16,15 +16,14 @@ struct Listing {
   std::vector<std::string> notes, warnings;
 };
 
-// The frames of the first layout that fits, none if none does.
+// The frames of the first layout that matches; none if no layout does.
 [[nodiscard]] std::optional<Listing> list_frames(const std::filesystem::path& root,
                                                  const DatasetOptions& options);
 
-// What list_frames() looks for, for messages.
+// The layouts that list_frames() tries, as text for messages.
 [[nodiscard]] std::string describe_layouts();
 
-// Each of these reads one layout and throws Error(kInput) if it is there but does not hold
-// together.
+// Each of these reads one layout and throws Error(kInput) if its files are there but inconsistent.
 [[nodiscard]] Listing read_tum_lists(const std::filesystem::path& root,
                                      const DatasetOptions& options);
 [[nodiscard]] Listing read_association_file(const std::filesystem::path& file,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How many units of a depth image make a metre, and whether the values can be depth at all.
+// The scale of depth images, and whether their values are plausible depths.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ namespace edvo {
 
 struct DepthScale {
   double units_per_metre = 5000;
-  std::string source;       // why this one, as half a sentence
-  bool is_assumed = false;  // neither given nor stated nor known by the camera
+  std::string source;       // the reason for this scale, as part of a sentence
+  bool is_assumed = false;  // neither given, nor stated in a file, nor known for the camera
 };
 
 // The usual scale within 15 % of this one, or itself. [units/m]
 [[nodiscard]] double nearest_usual_scale(double units_per_metre);
 
-// The values of some depth images, by how often each occurs.
+// A histogram of the values of some depth images.
 struct DepthValues {
   std::vector<std::int64_t> counts = std::vector<std::int64_t>(65536);  // pixels of each value
   int images = 0;
@@ -31,12 +31,12 @@ void add_image(DepthValues& values, const cv::Mat_<std::uint16_t>& raw);
 [[nodiscard]] std::optional<int> median_value(const DepthValues& values);
 
 struct DepthFindings {
-  std::vector<std::string> notes;     // what is read as what
-  std::vector<std::string> warnings;  // what looks wrong, and what would mend it
+  std::vector<std::string> notes;     // how values are interpreted
+  std::vector<std::string> warnings;  // what looks wrong, with a remedy
 };
 
-// Whether a scene of that depth is plausible (median of 0.1 to 20 m), which usual scale would make
-// it so, and whether sensors give such values at all. A scale that is advised is one that passes.
+// Checks that the median depth is plausible (0.1 to 20 m), else suggests a usual scale that makes
+// it so, and that a sensor can have measured such values.
 [[nodiscard]] DepthFindings check_depth(const DepthValues& values, const DepthScale& scale);
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whole files in and out of memory, with errors that name the file.
+// Reads and writes whole files; errors name the file.
 #pragma once
 
 #include <chrono>
@@ -12,12 +12,13 @@ namespace edvo {
 
 inline constexpr std::size_t kLargestFile = std::size_t{1} << 29;  // [bytes], 512 MiB
 
-// Throws Error(kInput) if the file is missing, not a regular file, larger than that or unreadable.
+// Throws Error(kInput) if the file is missing, not a regular file, larger than `largest` [bytes] or
+// unreadable.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path,
                                     std::size_t largest = kLargestFile);
 
-// The same of a pipe or a device, too, as `--config <(make_config)` gives one. Throws also where
-// nothing arrives for so long.
+// The same for a regular file, a pipe or a device (`--config <(make_config)`). Throws Error(kInput)
+// also if no data arrive for longer than patience.
 [[nodiscard]] std::string read_stream(
     const std::filesystem::path& path, std::size_t largest,
     std::chrono::milliseconds patience = std::chrono::seconds(10));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Poses that a data set keeps beside its images, one matrix for each: 7-Scenes, BundleFusion,
+// Poses stored beside the images of a data set, one matrix per image: 7-Scenes, BundleFusion,
 // ScanNet, Replica as NICE-SLAM renders it.
 #pragma once
 
@@ -14,7 +14,7 @@
 namespace edvo {
 
 struct ImagePoses {
-  std::string source;                 // where they are, as half a sentence
+  std::string source;                 // where they are, as part of a sentence
   Trajectory trajectory;              // world_from_camera, with the stamps of the frames
   std::vector<std::string> warnings;  // what could not be used
 };

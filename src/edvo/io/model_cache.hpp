@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The folder in which models lie ready for use: NAME.onnx and, written last, its description
+// The cache folder of models that are ready for use: NAME.onnx and, written last, its description
 // NAME.toml.
 #pragma once
 

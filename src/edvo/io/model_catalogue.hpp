@@ -20,7 +20,7 @@ struct KnownModel {
 
 [[nodiscard]] std::span<const KnownModel> known_models();
 
-// Null if there is none of that name.
+// Null if there is no known model of that name.
 [[nodiscard]] const KnownModel* find_known_model(std::string_view name);
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What has to be known about an edge network to use it: the small TOML file beside its weights.
+// The description of an edge network: the small TOML file beside its weights.
 #pragma once
 
 #include "edvo/core/fields.hpp"
@@ -19,7 +19,7 @@ struct EnumNames<ChannelOrder> {
       {{ChannelOrder::kBgr, "bgr"}, {ChannelOrder::kRgb, "rgb"}});
 };
 
-// With what an image is continued at its right and lower side.
+// How an image is padded at its right and lower side.
 enum class Padding { kReflect, kReplicate };
 
 template <>
@@ -38,7 +38,7 @@ struct EnumNames<Activation> {
 };
 
 // The image is resized to size, or by factor where there is no size; then padded until its sides
-// are multiples of multiple_of. The answer is cropped and resized back.
+// are multiples of multiple_of. The output is cropped and resized back.
 struct NetworkInput {
   ChannelOrder channels = ChannelOrder::kBgr;
   std::array<double, 3> mean = {0, 0, 0};  // in that order, taken off the image of [0..255]

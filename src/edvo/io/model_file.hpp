@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An edge network as it lies on disk: its description and its weights.
+// An edge network on disk: its description and its weights.
 #pragma once
 
 #include "edvo/io/file.hpp"
@@ -16,15 +16,15 @@ struct Model {
   std::string source;   // the ONNX file's path, for messages
 };
 
-// Throws Error(kModel) if one of the two files is missing, unreadable or not what it should be, or
-// if the weights have another SHA-256 than described.
+// Throws Error(kModel) if one of the two files is missing, unreadable or malformed, or if the
+// SHA-256 of the weights differs from the description.
 [[nodiscard]] Model read_model(const std::filesystem::path& description);
 
-// The same with weights that lie elsewhere than the description says.
+// The same with weights at another path than the description states.
 [[nodiscard]] Model read_model(const std::filesystem::path& description,
                                const std::filesystem::path& onnx);
 
-// The bytes of a file that belongs to a model; what read_file() refuses is Error(kModel) here.
+// The bytes of a file of a model. Throws Error(kModel) where read_file() throws Error(kInput).
 [[nodiscard]] std::string read_model_file(const std::filesystem::path& path,
                                           std::size_t largest = kLargestFile);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writing results so that what is on disk is whole at any moment.
+// Writes results so that the files on disk are valid at any moment.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace edvo {
 
-// A text file that grows line by line. Each line goes to the system at once and whole, so a killed
-// program leaves only whole lines behind; a line that did not fit on the disk is taken back.
+// A text file that grows line by line. Each line is passed to the system at once and complete, so a
+// killed program leaves only complete lines. A line that does not fit on the disk is removed.
 class LineFile {
  public:
   // Creates or empties the file. Throws Error(kOutput) naming it.
@@ -18,8 +18,8 @@ class LineFile {
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
-  // Adds the line and a line end. Throws Error(kOutput) naming the file, also where it is no longer
-  // at its path.
+  // Appends the line and a line end. Throws Error(kOutput) naming the file, also if the file is no
+  // longer at its path.
   void append(std::string_view line);
 
  private:
@@ -28,10 +28,12 @@ class LineFile {
   std::int64_t whole_bytes_ = 0;  // length of the whole lines
 };
 
-// With the folders above it. Throws Error(kOutput) naming it and, in the end, the remedy.
+// Creates the folder and its parents. Throws Error(kOutput) naming the folder, with the remedy at
+// the end of the message.
 void make_folder(const std::filesystem::path& folder, std::string_view remedy = {});
 
-// Replaces the file by the content, or, when that throws Error(kOutput), leaves it as it was.
+// Replaces the file by the content. Throws Error(kOutput) and leaves the file as it was if it
+// cannot be written.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace edvo

@@ -9,8 +9,8 @@
 
 namespace edvo {
 
-// Binary, little endian: x, y, z as float [m], red, green, blue as uchar. Writes the whole file or
-// throws Error(kOutput) and leaves what was there.
+// Binary, little endian: x, y, z as float [m], red, green, blue as uchar. Throws
+// Error(kOutput) and leaves an existing file as it was if it cannot be written.
 void write_ply(const std::filesystem::path& file, std::span<const ColoredPoint> points);
 
 }  // namespace edvo

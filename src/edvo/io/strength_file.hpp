@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Edge strength on disk, to the last bit.
+// Stores edge strength on disk without rounding.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace edvo {
 
-// Written whole or not at all, with a checksum. Throws Error(kOutput) naming the file.
+// strength: H x W, [0..1]. The file is complete or absent, and has a checksum. Throws
+// Error(kOutput) naming the file.
 void write_strength(const std::filesystem::path& path, const cv::Mat_<float>& strength);
 
 // None if there is no such file. Throws Error(kInput) naming it if it is damaged or unreadable.

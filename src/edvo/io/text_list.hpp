@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lists as text: one record a line, fields apart by blanks or commas, '#' for comment lines.
+// Text lists: one record per line, fields separated by blanks or commas, comment lines with '#'.
 #pragma once
 
 #include "edvo/core/stamp.hpp"
@@ -25,7 +25,7 @@ struct ListLine {
 [[nodiscard]] Stamp stamp_field(const std::filesystem::path& file, const ListLine& line,
                                 std::size_t field);
 
-// Text of unknown origin, fit to stand in a message: shortened, without control characters.
+// Text of unknown origin, made fit for a message: shortened, without control characters.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace edvo

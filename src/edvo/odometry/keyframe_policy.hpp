@@ -16,7 +16,8 @@ class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframeOptions& options) : options_(options) {}
 
-  // result: of the frame against the reference keyframe. state: after this frame.
+  // The reason why the frame becomes a keyframe; none if it does not. result: alignment of the
+  // frame to the reference keyframe. state: after this frame.
   [[nodiscard]] std::optional<KeyframeReason> due(const AlignResult& result, const Frame& frame,
                                                   const TrackingState& state) const;
 

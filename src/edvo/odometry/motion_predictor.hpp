@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the camera could have moved since the last good frame: starts for the alignment.
+// Guesses of the camera's motion since the last good frame: initial values for the alignment.
 #pragma once
 
 #include "edvo/align/align.hpp"
@@ -14,30 +14,31 @@ namespace edvo {
 constexpr std::size_t kMostCandidates = 6;
 using MotionCandidates = InplaceVector<SE3, kMostCandidates>;  // current_from_last
 
-// Motion from the last good frame to a stamp, if the camera goes on as it did; none (the identity)
-// where the gap is so long that the last motion tells nothing. current_from_last.
+// Motion from the last good frame to the stamp at constant velocity (current_from_last). The
+// identity if the gap is too long to extrapolate over.
 [[nodiscard]] SE3 constant_velocity(const TrackingState& state, const Stamp& stamp);
 
-// Where the camera's centre is expected at a stamp, in the reference keyframe's camera, with the
-// sigma that this acceleration [m/s^2] allows; sigma 0 = nothing is expected.
+// Expected position of the camera centre at the stamp, in the frame of the reference keyframe's
+// camera [m], with the sigma [m] that follows from the acceleration [m/s^2]; sigma 0 = no prior.
 [[nodiscard]] PositionPrior position_prior(const TrackingState& state, const Stamp& stamp,
                                            double acceleration);
 
-// Aligns whole coarse images, each to that of the last good frame.
+// Aligns each whole coarse image to that of the last good frame.
 class MotionPredictor {
  public:
-  // The motion that whole coarse images show (found from the constant velocity, from no motion or
-  // from the rotation that phase correlation shows, whichever costs least), the constant velocity,
-  // and no motion.
+  // Three guesses: the result of aligning whole coarse images, the constant velocity, and no
+  // motion. The coarse alignment starts from the constant velocity, from no motion or from the
+  // rotation found by phase correlation, whichever has the lowest cost. velocity:
+  // current_from_last.
   [[nodiscard]] MotionCandidates candidates(const Frame& frame, const SE3& velocity,
                                             const Config& config, AlignScratch& scratch);
 
-  // Where a frame that these do not lead to could be: rotations over the whole range that leaves a
-  // view in common are tried by their cost, the best are aligned. The likeliest first.
+  // Guesses for a frame for which candidates() failed: rotations over the whole range that leaves
+  // some overlap are compared by their cost, and the best are aligned. Lowest cost first.
   [[nodiscard]] MotionCandidates far_candidates(const Frame& frame, const SE3& velocity,
                                                 const Config& config, AlignScratch& scratch) const;
 
-  // Makes this frame the one that later frames are aligned to.
+  // Makes this frame the one to which later frames are aligned.
   void update(const Frame& frame, const Config& config);
 
  private:

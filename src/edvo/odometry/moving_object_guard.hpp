@@ -12,9 +12,10 @@ class MovingObjectGuard {
  public:
   explicit MovingObjectGuard(const AlignOptions& options) : options_(options) {}
 
-  // The alignment to believe: the first, or one found again at fine levels with a loss that ignores
-  // outliers, if residuals are large, the motion is sudden or a second motion was seen lately.
-  // velocity: current_from_last, constant. Counts state.moving_object_frames.
+  // Returns the first alignment, or a second one found at fine levels with Tukey's loss. The second
+  // is computed if residuals are large, the motion is sudden or a second motion was seen in the
+  // last frames, and returned if it fits better. velocity: current_from_last at constant velocity.
+  // Updates state.moving_object_frames.
   [[nodiscard]] AlignResult check(const AlignResult& first, const Reference& reference,
                                   const Frame& frame, const SE3& velocity,
                                   const PositionPrior& prior, TrackingState& state,

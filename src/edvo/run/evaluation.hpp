@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A run against its ground truth.
+// Compares a run with ground truth.
 #pragma once
 
 #include "edvo/run/outcome.hpp"
@@ -10,15 +10,16 @@
 
 namespace edvo {
 
-// Errors of the poses as known at the end (outcome.trajectory) and at the time (outcome.online), by
-// the TUM protocol. Throws Error(kEvaluation) where they cannot be compared.
+// Errors of the final poses (outcome.trajectory) and of the poses as known when their frame was
+// processed (outcome.online), by the TUM protocol. Throws Error(kEvaluation) if they cannot be
+// compared: no overlap in time, or too few poses.
 [[nodiscard]] RunEvaluation evaluate_run(const GroundTruth& truth, const RunOutcome& outcome);
 
-// Within this share of 1 a scale is called right.
+// A scale within 1 +- this tolerance counts as right.
 inline constexpr double kScaleTolerance = 0.02;
 
-// Where the scale of the motion is off and explains most of its error: which depth scale would mend
-// it. Empty where depth came in metres or nothing is wrong.
+// A warning that names the right depth scale, if the scale of the motion is wrong and explains most
+// of the error. None if the source gives depth in metres or nothing is wrong.
 [[nodiscard]] std::optional<std::string> warn_of_scale(const RunEvaluation& evaluation,
                                                        const SourceInfo& source);
 
