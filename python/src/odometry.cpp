@@ -141,7 +141,8 @@ void add_odometry(nb::module_& module) {
                            [&] { return to_depth(depth, units_per_metre); });
           },
           "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a, "units_per_metre"_a)
-      .def("finish", &Odometry::finish, nb::call_guard<nb::gil_scoped_release>())
+      .def("finish", &Odometry::finish, nb::arg("threads") = 2,
+           nb::call_guard<nb::gil_scoped_release>())
       .def("reset", &Odometry::reset)
       .def("trajectory",
            [](const Odometry& odometry) { return numpy_trajectory(odometry.trajectory()); })

@@ -44,7 +44,7 @@ class FakeTracker {
     return result;
   }
 
-  void finish() {
+  void finish(int /*threads*/) {
     if (!map_.keyframes().empty()) map_.set_pose(0, {.translation = {0, 0, 0.5}});
   }
   [[nodiscard]] Trajectory trajectory() const { return poses_; }

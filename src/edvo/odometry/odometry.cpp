@@ -57,9 +57,10 @@ PreparedImage Odometry::prepare(const RgbdImage& image) const {
   return prepared;
 }
 
-void Odometry::finish() {
+void Odometry::finish(int threads) {
   while (state_->refine()) {
   }
+  state_->refine_all(threads);
 }
 
 void Odometry::reset() {
@@ -75,7 +76,7 @@ Trajectory Odometry::trajectory() const {
     const MapKeyframe& key = state_->map[link.keyframe];
     if (link.is_guess && !state_->has_tracked(key.segment)) continue;
     all.push_back({.stamp = link.stamp,
-                   .world_from_camera = key.world_from_camera * link.keyframe_from_camera,
+                   .world_from_camera = state_->world_from_camera(link),
                    .segment = key.segment});
   }
   return all;

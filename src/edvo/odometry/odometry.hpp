@@ -45,16 +45,16 @@ class Odometry {
   [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const;
   FrameResult process(const PreparedImage& image);
 
-  // Refines the last keyframes to the end. Call it once after the last image; more images may
-  // follow.
-  void finish();
+  // Refines the last keyframes to the end, and then all of a segment together. Call it once after
+  // the last image; more images may follow. The result is the same for any number of threads.
+  void finish(int threads = 2);
 
   // As if no image had come: same camera, options and detector.
   void reset();
 
-  // The best present estimate of every frame with a pose: frames hang on their keyframe, so that
-  // they follow when a later refinement moves it. Lost frames are left out, and so are restarted
-  // ones in whose segment no frame was tracked.
+  // The best present estimate of every frame with a pose: frames hang on their keyframe and the one
+  // that came after it, so that they follow when a later refinement moves these. Lost frames are
+  // left out, and so are restarted ones in whose segment no frame was tracked.
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] Trajectory keyframe_trajectory() const;
   [[nodiscard]] const Map& map() const;

@@ -88,6 +88,39 @@ bool Odometry::State::refine() {
   return more;
 }
 
+// Keyframes whose images the window has dropped follow the one before them.
+void Odometry::State::refine_all(int threads) {
+  if (config.window.keyframes == 0 || config.window.final_iterations == 0) return;
+  segment.window.refine_all(undistortion.camera, config.window, threads);
+  const std::vector<KeyframeWindow::Pose>& refined = segment.window.refined();
+  SE3 correction;  // of the last one refined: world_from_old_world
+  auto next = refined.begin();
+  for (const MapKeyframe& key : std::vector(map.keyframes())) {
+    if (key.segment != segment.id) continue;
+    if (next != refined.end() && next->id == key.id) {
+      correction = next->world_from_camera * inverse(key.world_from_camera);
+      ++next;
+    }
+    map.set_pose(key.id, correction * key.world_from_camera);
+  }
+}
+
+// What a frame's alignment is wrong by grows with the distance from the keyframe. Where it has
+// become the next keyframe it is known, as the refinement has both; before that, about in
+// proportion to time.
+SE3 Odometry::State::world_from_camera(const FrameLink& link) const {
+  const MapKeyframe& key = map[link.keyframe];
+  const SE3 as_tracked = key.world_from_camera * link.keyframe_from_camera;
+  const Successor& successor = successors[static_cast<std::size_t>(link.keyframe)];
+  if (successor.id < 0) return as_tracked;
+  const MapKeyframe& next = map[successor.id];
+  const double share =
+      seconds_between(key.stamp, link.stamp) / seconds_between(key.stamp, next.stamp);
+  const SE3 refined = inverse(key.world_from_camera) * next.world_from_camera;
+  return as_tracked *
+         exp(std::clamp(share, 0.0, 1.0) * log(inverse(successor.keyframe_from_this) * refined));
+}
+
 void Odometry::State::take(const Frame& frame, const AlignResult& alignment, bool relocalized,
                            FrameResult& result) {
   lost_in_a_row = 0;
@@ -117,7 +150,10 @@ void Odometry::State::lose(const Frame& frame, LossCause cause, FrameResult& res
 
 bool Odometry::State::insert_keyframe(const Frame& frame, KeyframeReason reason,
                                       FrameResult& result) {
+  const KeyframeId before = segment.keyframe;
   if (!insert_into(segment, frame, result.world_from_camera, result)) return false;
+  successors[static_cast<std::size_t>(before)] = {
+      .id = segment.keyframe, .keyframe_from_this = links.back().keyframe_from_camera};
   result.new_keyframe = segment.keyframe;
   result.keyframe_reason = reason;
   links.back() = {.stamp = frame.stamp, .keyframe = segment.keyframe};
@@ -151,6 +187,7 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
                      config.tracking.depth_noise, std::move(target.reference.surface));
   result.milliseconds.selection = watch.lap();
   target.keyframe = map.add(frame.stamp, target.id, world_from_camera);
+  successors.emplace_back();
   target.window.add(target.keyframe, frame, world_from_camera, target.state.alignment,
                     spread(pixels, frame.depth.cols(), config.selection.cell, config.window.points),
                     config.window);

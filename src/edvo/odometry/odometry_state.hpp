@@ -34,6 +34,12 @@ struct FrameLink {
   bool is_guess = false;  // the frame began a segment at a guessed pose
 };
 
+// The keyframe that came after another one in its segment.
+struct Successor {
+  KeyframeId id = -1;      // -1: none came
+  SE3 keyframe_from_this;  // as tracked, before any refinement
+};
+
 struct Odometry::State {
   State(const Config& config, Undistortion undistortion);
 
@@ -45,11 +51,12 @@ struct Odometry::State {
   AlignScratch scratch;
 
   Map map;
-  Segment segment;                // in which frames are tracked
-  std::optional<Segment> left;    // the last long one that was left, to come back to
-  std::vector<FrameLink> links;   // of all frames with a pose
-  std::vector<int> with_tracked;  // segments in which a frame was tracked, ascending
-  std::optional<Stamp> newest;    // of all images
+  Segment segment;                    // in which frames are tracked
+  std::optional<Segment> left;        // the last long one that was left, to come back to
+  std::vector<FrameLink> links;       // of all frames with a pose
+  std::vector<Successor> successors;  // of all keyframes, by id
+  std::vector<int> with_tracked;      // segments in which a frame was tracked, ascending
+  std::optional<Stamp> newest;        // of all images
   std::int64_t images = 0;
   int lost_in_a_row = 0;  // frames
   int segments = 0;       // begun so far
@@ -62,6 +69,12 @@ struct Odometry::State {
 
   // Refines the window by some steps; false if nothing is left to do.
   bool refine();
+
+  // Refines all keyframes of the present segment together.
+  void refine_all(int threads);
+
+  // Of a frame, by the present poses of its keyframe and of that one's successor.
+  [[nodiscard]] SE3 world_from_camera(const FrameLink& link) const;
 
   // Begins a segment with this frame, where the last one ended. False, and nothing changed, if too
   // little of the frame can be tracked.

@@ -140,7 +140,7 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
   }
   outcome.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   std::uint64_t map_version = tracker.map().version();
-  tracker.finish();
+  tracker.finish(options.threads);
   tell_map(tracker.map(), map_version, observers);
   outcome.trajectory = tracker.trajectory();
   outcome.keyframes = tracker.keyframe_trajectory();

@@ -12,7 +12,7 @@ class Tracker {
   virtual ~Tracker() = default;
   [[nodiscard]] virtual PreparedImage prepare(const RgbdImage& image) const = 0;  // any thread
   virtual FrameResult process(const PreparedImage& image) = 0;
-  virtual void finish() = 0;
+  virtual void finish(int threads) = 0;
   [[nodiscard]] virtual Trajectory trajectory() const = 0;
   [[nodiscard]] virtual Trajectory keyframe_trajectory() const = 0;
   [[nodiscard]] virtual const Map& map() const = 0;
@@ -28,7 +28,7 @@ class TrackerOf final : public Tracker {
     return tracker_.prepare(image);
   }
   FrameResult process(const PreparedImage& image) override { return tracker_.process(image); }
-  void finish() override { tracker_.finish(); }
+  void finish(int threads) override { tracker_.finish(threads); }
   [[nodiscard]] Trajectory trajectory() const override { return tracker_.trajectory(); }
   [[nodiscard]] Trajectory keyframe_trajectory() const override {
     return tracker_.keyframe_trajectory();

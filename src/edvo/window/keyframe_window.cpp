@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/window/keyframe_window.hpp"
 
+#include "edvo/window/joint_refinement.hpp"
+
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace edvo {
@@ -26,7 +29,7 @@ void KeyframeWindow::add(std::int64_t id, const Frame& frame, const SE3& world_f
   }
   recent_.push_back(std::move(key));
   const auto limit = static_cast<std::size_t>(options.keyframes + options.candidate_keyframes);
-  if (recent_.size() > limit) recent_.erase(recent_.begin());
+  if (recent_.size() > limit) drop_one(options);
   waiting_ = true;
 }
 
@@ -46,6 +49,30 @@ bool KeyframeWindow::refine(const Camera& camera, const WindowOptions& options) 
     refined_.push_back({.id = key.id, .world_from_camera = key.world_from_key});
   }
   return !refinement_.finished;
+}
+
+void KeyframeWindow::refine_all(const Camera& camera, const WindowOptions& options, int threads) {
+  const JointOptions joint{.iterations = options.final_iterations, .threads = threads};
+  refine_jointly(recent_, keyframes_in_view(recent_, camera, joint.neighbours), camera, options,
+                 joint);
+  refined_.clear();
+  for (const WindowKeyframe& key : recent_)
+    refined_.push_back({.id = key.id, .world_from_camera = key.world_from_key});
+}
+
+// The keyframe, not the first nor one to be refined, without which the least gap is left.
+void KeyframeWindow::drop_one(const WindowOptions& options) {
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k + static_cast<std::size_t>(options.keyframes) < recent_.size(); ++k) {
+    const SE3 gap = inverse(recent_[k - 1].world_from_key) * recent_[k + 1].world_from_key;
+    const double size = gap.translation.norm() + rotation_angle(gap);
+    if (size < least) {
+      least = size;
+      best = k;
+    }
+  }
+  recent_.erase(recent_.begin() + static_cast<std::ptrdiff_t>(best));
 }
 
 // The last keyframes, and before them those older ones that see most of the newest one's points.

@@ -7,7 +7,8 @@
 
 namespace edvo {
 
-// Keeps the images of at most keyframes + candidate_keyframes keyframes. Not synchronized.
+// Keeps the images of at most keyframes + candidate_keyframes keyframes, fewer of places where many
+// were taken. Not synchronized.
 class KeyframeWindow {
  public:
   // Adds a keyframe, to be refined. id: by which refined() names it. from_last: brightness of the
@@ -28,8 +29,12 @@ class KeyframeWindow {
   // Of the keyframes that the last step moved or could have moved.
   [[nodiscard]] const std::vector<Pose>& refined() const { return refined_; }
 
+  // Refines all keyframes together, the first of them held; what refined() tells is then all.
+  void refine_all(const Camera& camera, const WindowOptions& options, int threads);
+
  private:
   void choose_members(const Camera& camera, const WindowOptions& options);
+  void drop_one(const WindowOptions& options);
 
   std::vector<Pose> refined_;
   std::vector<WindowKeyframe> recent_;  // the last of them, bounded in number

@@ -2,6 +2,7 @@
 #include "edvo/window/refinement.hpp"
 
 #include "edvo/align/robust.hpp"
+#include "edvo/window/keyframe_unknowns.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -49,36 +50,6 @@ std::vector<PairModel> recall(std::vector<PairModel>& memory,
     if (h < count && t < count) models[h * count + t] = std::move(model);
   }
   return models;
-}
-
-// What a step changes of a window, to undo one.
-struct Estimates {
-  struct Keyframe {
-    SE3 world_from_key;
-    double gain, bias;
-  };
-  std::vector<Keyframe> keyframes;
-  std::vector<double> inverse_depths;
-};
-
-Estimates estimates_of(const std::vector<WindowKeyframe>& window) {
-  Estimates all;
-  for (const WindowKeyframe& key : window) {
-    all.keyframes.push_back({key.world_from_key, key.gain, key.bias});
-    for (const WindowPoint& point : key.points) all.inverse_depths.push_back(point.inverse_depth);
-  }
-  return all;
-}
-
-void restore(const Estimates& all, std::vector<WindowKeyframe>& window) {
-  auto depth = all.inverse_depths.begin();
-  for (std::size_t k = 0; k < window.size(); ++k) {
-    WindowKeyframe& key = window[k];
-    key.world_from_key = all.keyframes[k].world_from_key;
-    key.gain = all.keyframes[k].gain;
-    key.bias = all.keyframes[k].bias;
-    for (WindowPoint& point : key.points) point.inverse_depth = *depth++;
-  }
 }
 
 void remember(std::vector<PairModel>&& models, std::vector<PairModel>& memory) {

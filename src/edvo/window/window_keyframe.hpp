@@ -17,9 +17,10 @@ namespace edvo {
 struct WindowOptions {
   int keyframes = 7;
   int fixed_keyframes = 5;
-  int candidate_keyframes = 100;
+  int candidate_keyframes = 300;
   int points = 300;
   int iterations = 5;
+  int final_iterations = 8;
   double tolerance = 5e-4;
   double sigma = 2.0;                   // [grey levels]
   double huber = 1.345;                 // [sigmas]
@@ -37,8 +38,10 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("fixed_keyframes", self.fixed_keyframes, Range{1, 50},
         "older keyframes with the same view that hold the refined ones in place");
   visit("candidate_keyframes", self.candidate_keyframes, Range{1, 10000},
-        "older keyframes kept as possible fixed_keyframes");
+        "older keyframes kept as possible fixed_keyframes and for the last refinement");
   visit("points", self.points, Range{10, 1e6}, "points per keyframe in the refinement");
+  visit("final_iterations", self.final_iterations, Range{0, 1000},
+        "of the last refinement, of all keyframes together; 0 = none");
   visit("depth_noise", self.depth_noise, Range{1e-6, 1},
         "sigma of measured inverse depth; between keyframes less where residuals are smaller [1 / "
         "m]");

@@ -3,6 +3,7 @@
 
 #include "edvo/simd/dispatch.hpp"
 #include "edvo/simd/float8.hpp"
+#include "edvo/window/keyframe_unknowns.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -14,8 +15,6 @@ namespace {
 using simd::Float8;
 
 constexpr int kN = kKeyframeUnknowns;
-constexpr double kGainSigma = 0.3;   // prior of the brightness
-constexpr double kBiasSigma = 30.0;  // [grey levels]
 
 constexpr std::size_t kAtOnce = 4;  // points: sums over them stay in registers
 
@@ -106,27 +105,13 @@ EDVO_CLONES void spread_coupling(const float* pair, std::size_t points, std::siz
 }
 
 void add_brightness_prior(const WindowKeyframe& key, int at, WindowSystem& system) {
-  const double gain_weight = 1 / (kGainSigma * kGainSigma);
-  const double bias_weight = kBrightnessUnit * kBrightnessUnit / (kBiasSigma * kBiasSigma);
-  const double gain_error = key.gain - 1, bias_error = key.bias / kBrightnessUnit;
-  system.hessian(at + 6, at + 6) += gain_weight;
-  system.hessian(at + 7, at + 7) += bias_weight;
-  system.gradient[at + 6] += gain_weight * gain_error;
-  system.gradient[at + 7] += bias_weight * bias_error;
-  system.cost +=
-      0.5 * (gain_weight * gain_error * gain_error + bias_weight * bias_error * bias_error);
+  const BrightnessPrior prior = brightness_prior(key);
+  system.hessian(at + 6, at + 6) += prior.gain_weight;
+  system.hessian(at + 7, at + 7) += prior.bias_weight;
+  system.gradient[at + 6] += prior.gain_weight * prior.gain_error;
+  system.gradient[at + 7] += prior.bias_weight * prior.bias_error;
+  system.cost += prior.cost();
 }
-
-// Pair unknowns from the unknowns of the host.
-Eigen::Matrix<double, kN, kN> from_host(const PairGeometry& g) {
-  Eigen::Matrix<double, kN, kN> A = Eigen::Matrix<double, kN, kN>::Zero();
-  A.topLeftCorner<6, 6>() = g.adjoint;
-  A(6, 6) = A(7, 7) = -static_cast<double>(g.gain);
-  return A;
-}
-
-// And of the target: the diagonal.
-constexpr std::array<float, kN> kFromTarget = {-1, -1, -1, -1, -1, -1, 1, 1};
 
 // Where a keyframe's block is in the rows of a host's coupling; nothing where it has none.
 float* block_of(PosePointBlocks& host, int column) {
@@ -175,8 +160,6 @@ std::vector<float> depth_pull(const WindowSystem& system, const Eigen::VectorXf&
 // depths: the host's.
 void add_model(const PairModel& model, int at_host, int at_target, WindowSystem& system,
                PosePointBlocks& coupling, PointNormals* depths) {
-  using BlockMatrix = Eigen::Matrix<double, kN, kN>;
-  using BlockVector = Eigen::Matrix<double, kN, 1>;
   const BlockMatrix A = from_host(model.geometry);
   const BlockVector B =
       Eigen::Map<const Eigen::Matrix<float, kN, 1>>(kFromTarget.data()).cast<double>();
@@ -285,19 +268,10 @@ void apply_step(WindowStep& step, int fixed, std::vector<WindowKeyframe>& window
   std::size_t i = 0;
   for (int k = 0; k < static_cast<int>(window.size()); ++k) {
     WindowKeyframe& key = window[static_cast<std::size_t>(k)];
-    if (k >= fixed) {
-      const Eigen::Matrix<double, kN, 1> d = step.keyframes.segment<kN>(kN * (k - fixed));
-      const Vector6d xi = d.head<6>();
-      key.world_from_key = key.world_from_key * exp(xi);
-      key.gain += d[6];
-      key.bias += kBrightnessUnit * d[7];
-    }
+    if (k >= fixed) move_keyframe(step.keyframes.segment<kN>(kN * (k - fixed)), key);
     for (WindowPoint& point : key.points) {
-      // The sensor is never wrong by a factor of two; a step that says so comes from a wrong match.
-      const double moved = std::clamp(point.inverse_depth + static_cast<double>(step.depths[i]),
-                                      0.5 * point.measured, 2 * point.measured);
-      step.depths[i++] = static_cast<float>(moved - point.inverse_depth);
-      point.inverse_depth = moved;
+      float& depth = step.depths[i++];
+      depth = static_cast<float>(move_point(static_cast<double>(depth), point));
     }
   }
 }
