@@ -8,6 +8,7 @@
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
 #include "edvo/run/run.hpp"
+#include "edvo/slam/slam.hpp"
 #include "memory.hpp"
 #include "progress.hpp"
 #include "run_result.hpp"
@@ -74,8 +75,8 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   take_memory();
   cv::setNumThreads(std::max(1, flags.threads - 1));  // one thread reads ahead
   Warn warn = [](const std::string&) {};
-  Odometry odometry(description.camera, config,
-                    open_detector(flags, config, description.camera.pinhole, warn));
+  std::unique_ptr<EdgeDetector> detector =
+      open_detector(flags, config, description.camera.pinhole, warn);
   Recorder recorder(make_run_folder(flags, description.sequence), description, !flags.no_report);
   Progress progress(flags.quiet);
   Observers observers = {&recorder, &progress};
@@ -87,9 +88,14 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   };
 
   const StopSignal signal;  // also while the results are written
+  const RunOptions options{
+      .threads = flags.threads, .should_stop = stop_requested, .ground_truth = truth};
+  const auto run_with = [&](auto&& tracker) { return run(source, tracker, observers, options); };
+  // Methods without a window are the paper's baselines, which have no back end either.
+  const bool with_loops = !flags.no_loops && config.window.keyframes > 0;
   const RunOutcome outcome =
-      run(source, odometry, observers,
-          {.threads = flags.threads, .should_stop = stop_requested, .ground_truth = truth});
+      with_loops ? run_with(Slam(description.camera, config, {}, std::move(detector)))
+                 : run_with(Odometry(description.camera, config, std::move(detector)));
   RecordedRun result{.summary = recorder.summary(),
                      .folder = recorder.folder(),
                      .failure = failure_of(outcome, description.source)};

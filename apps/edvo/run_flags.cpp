@@ -23,6 +23,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))
       ->capture_default_str();
+  command.add_flag("--no-loops", flags.no_loops,
+                   "The odometry alone: look for no places that were seen before");
   command.add_flag("--json", flags.json, "Print the summary as one JSON object");
   command.add_flag("--no-report", flags.no_report, "Do not write report.html");
   command.add_flag("--quiet", flags.quiet, "No notes and no progress; warnings stay");

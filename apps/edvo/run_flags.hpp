@@ -16,6 +16,7 @@ struct RunFlags {
   std::string edge_cache;  // folder, empty = none
   std::string points;      // PLY file, empty = none
   bool force = false;
+  bool no_loops = false;
   int threads = 2;  // one of them reads ahead if there are two or more
   bool json = false;
   bool no_report = false;

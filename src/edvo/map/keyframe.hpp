@@ -19,6 +19,7 @@ struct Keyframe {
   int segment = 0;                   // keyframes of two segments have no known motion between them
   SE3 world_from_camera;             // when the keyframe left the odometry's window
   cv::Mat_<cv::Vec3b> bgr;           // H x W, undistorted
+  cv::Mat_<std::uint8_t> gray;       // H x W, undistorted
   cv::Mat_<float> depth;             // H x W, undistorted [m], NaN = none
   std::vector<ColoredPoint> points;  // selected pixels, in its camera
 };

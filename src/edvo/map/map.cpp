@@ -16,6 +16,11 @@ void Map::set_pose(KeyframeId id, const SE3& world_from_camera) {
   ++version_;
 }
 
+void Map::set_segment(KeyframeId id, int segment) {
+  keyframes_.at(static_cast<std::size_t>(id)).segment = segment;
+  ++version_;
+}
+
 const MapKeyframe& Map::operator[](KeyframeId id) const {
   return keyframes_.at(static_cast<std::size_t>(id));
 }

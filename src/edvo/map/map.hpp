@@ -26,6 +26,7 @@ class Map {
 
   // id: one that add() gave.
   void set_pose(KeyframeId id, const SE3& world_from_camera);
+  void set_segment(KeyframeId id, int segment);
   [[nodiscard]] const MapKeyframe& operator[](KeyframeId id) const;
 
   [[nodiscard]] const std::vector<MapKeyframe>& keyframes() const { return keyframes_; }

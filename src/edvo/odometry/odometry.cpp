@@ -57,9 +57,17 @@ PreparedImage Odometry::prepare(const RgbdImage& image) const {
   return prepared;
 }
 
-void Odometry::finish(int threads) {
+void Odometry::settle() {
   while (state_->refine()) {
   }
+}
+
+void Odometry::correct(std::span<const MapKeyframe> keyframes) {
+  state_->correct(keyframes);
+}
+
+void Odometry::finish(int threads) {
+  settle();
   state_->refine_all(threads);
 }
 

@@ -13,6 +13,7 @@
 #include "edvo/odometry/frame_result.hpp"
 
 #include <memory>
+#include <span>
 
 namespace edvo {
 
@@ -44,6 +45,13 @@ class Odometry {
   // The same in two steps.
   [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const;
   FrameResult process(const PreparedImage& image);
+
+  // Refines the last keyframes to the end; finish() does that, too.
+  void settle();
+
+  // Takes over what is known from elsewhere about all keyframes, by id: their poses, and which
+  // segments are joined to an older one. For between settle() and finish().
+  void correct(std::span<const MapKeyframe> keyframes);
 
   // Refines the last keyframes to the end, and then all of a segment together. Call it once after
   // the last image; more images may follow. The result is the same for any number of threads.

@@ -49,7 +49,12 @@ bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResu
     result.world_from_camera = last_good;
     return false;
   }
-  if (segment.tracked >= kEstablished) left = std::move(segment);
+  if (segment.tracked >= kEstablished) {
+    if (left) leave(std::move(*left));
+    left = std::move(segment);
+  } else {
+    leave(std::move(segment));
+  }
   segment = std::move(fresh);
   ++segments;
   lost_in_a_row = 0;
@@ -73,10 +78,12 @@ bool Odometry::State::relocalize(const Frame& frame, SegmentAlignment& alignment
   if (!left) return false;
   SegmentAlignment other = align_in(*left, frame, config, guard, scratch);
   if (other.loss != LossCause::kNone) return false;
-  if (segment.tracked >= kEstablished)
+  if (segment.tracked >= kEstablished) {
     std::swap(segment, *left);
-  else
+  } else {
+    leave(std::move(segment));
     segment = *std::exchange(left, std::nullopt);
+  }
   alignment = std::move(other);
   return true;
 }
@@ -86,23 +93,6 @@ bool Odometry::State::refine() {
   for (const auto& [id, world_from_camera] : segment.window.refined())
     map.set_pose(id, world_from_camera);
   return more;
-}
-
-// Keyframes whose images the window has dropped follow the one before them.
-void Odometry::State::refine_all(int threads) {
-  if (config.window.keyframes == 0 || config.window.final_iterations == 0) return;
-  segment.window.refine_all(undistortion.camera, config.window, threads);
-  const std::vector<KeyframeWindow::Pose>& refined = segment.window.refined();
-  SE3 correction;  // of the last one refined: world_from_old_world
-  auto next = refined.begin();
-  for (const MapKeyframe& key : std::vector(map.keyframes())) {
-    if (key.segment != segment.id) continue;
-    if (next != refined.end() && next->id == key.id) {
-      correction = next->world_from_camera * inverse(key.world_from_camera);
-      ++next;
-    }
-    map.set_pose(key.id, correction * key.world_from_camera);
-  }
 }
 
 // What a frame's alignment is wrong by grows with the distance from the keyframe. Where it has
@@ -210,6 +200,7 @@ KeyframePtr Odometry::State::newest_keyframe() const {
   keyframe->stamp = key.stamp;
   keyframe->segment = key.segment;
   keyframe->world_from_camera = key.world_from_camera;
+  keyframe->gray = keyframe_frame.levels.front().gray;
   keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
   keyframe->depth = keyframe_frame.depth.undistorted();
   keyframe->points.reserve(keyframe_pixels.size());

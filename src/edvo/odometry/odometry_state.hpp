@@ -51,12 +51,13 @@ struct Odometry::State {
   AlignScratch scratch;
 
   Map map;
-  Segment segment;                    // in which frames are tracked
-  std::optional<Segment> left;        // the last long one that was left, to come back to
-  std::vector<FrameLink> links;       // of all frames with a pose
-  std::vector<Successor> successors;  // of all keyframes, by id
-  std::vector<int> with_tracked;      // segments in which a frame was tracked, ascending
-  std::optional<Stamp> newest;        // of all images
+  Segment segment;                      // in which frames are tracked
+  std::optional<Segment> left;          // the last long one that was left, to come back to
+  std::vector<WindowKeyframe> archive;  // of segments that are left for good
+  std::vector<FrameLink> links;         // of all frames with a pose
+  std::vector<Successor> successors;    // of all keyframes, by id
+  std::vector<int> with_tracked;        // segments in which a frame was tracked, ascending
+  std::optional<Stamp> newest;          // of all images
   std::int64_t images = 0;
   int lost_in_a_row = 0;  // frames
   int segments = 0;       // begun so far
@@ -70,7 +71,10 @@ struct Odometry::State {
   // Refines the window by some steps; false if nothing is left to do.
   bool refine();
 
-  // Refines all keyframes of the present segment together.
+  // Takes over poses and segments of all keyframes.
+  void correct(std::span<const MapKeyframe> keyframes);
+
+  // Refines all keyframes of each segment together.
   void refine_all(int threads);
 
   // Of a frame, by the present poses of its keyframe and of that one's successor.
@@ -93,6 +97,8 @@ struct Odometry::State {
   bool insert_keyframe(const Frame& frame, KeyframeReason reason, FrameResult& result);
 
  private:
+  void leave(Segment&& old);
+  [[nodiscard]] std::vector<WindowKeyframe*> all_keyframes();
   bool insert_into(Segment& target, const Frame& frame, const SE3& world_from_camera,
                    FrameResult& result);
 };

@@ -43,6 +43,12 @@ void Recorder::skipped(const SkippedFrame& skipped) {
   log_.skipped.push_back(skipped);
 }
 
+void Recorder::links(std::span<const LinkReport> links) {
+  std::string lines;
+  for (const LinkReport& link : links) lines += to_json_line(link) + '\n';
+  write_whole(folder_ / "links.jsonl", lines);
+}
+
 void Recorder::warning(const std::string& text) {
   run_.warnings.push_back(text);
 }

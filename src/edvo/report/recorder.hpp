@@ -23,6 +23,9 @@ class Recorder final : public Observer {
   void frame(const FrameResult& result, const Frame& image) override;
   void skipped(const SkippedFrame& frame) override;
 
+  // Writes links.jsonl.
+  void links(std::span<const LinkReport> links) override;
+
   // For what turns up on the way.
   void warning(const std::string& text) override;
 

@@ -271,6 +271,23 @@ std::string to_json_line(const SkippedFrame& skipped) {
               -1);
 }
 
+std::string to_json_line(const LinkReport& link) {
+  return dump({{"from", link.from},
+               {"to", link.to},
+               {"status", name_of(link.status)},
+               {"similarity", number(link.similarity, kRatioDecimals)},
+               {"matches", link.matches},
+               {"inliers", link.inliers},
+               {"translation_difference", link.translation_difference},
+               {"rotation_difference", link.rotation_difference},
+               {"overlap", number(link.overlap, kRatioDecimals)},
+               {"correlation", number(link.correlation, kRatioDecimals)},
+               {"seen_through", number(link.seen_through, kRatioDecimals)},
+               {"cycle_chi_square", link.cycle_chi_square},
+               {"from_pose_to", pose_array(link.from_pose_to)}},
+              -1);
+}
+
 std::string to_json(const RunSummary& summary) {
   const RunDescription& run = summary.run;
   Json stages = Json::object();

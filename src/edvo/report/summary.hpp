@@ -5,6 +5,7 @@
 #include "edvo/core/camera.hpp"
 #include "edvo/report/machine.hpp"
 #include "edvo/run/outcome.hpp"
+#include "edvo/slam/verify_link.hpp"
 #include "edvo/source/rgbd_source.hpp"
 
 #include <array>
@@ -104,6 +105,7 @@ struct RunSummary {
 // One line of frames.jsonl.
 [[nodiscard]] std::string to_json_line(const FrameResult& report);
 [[nodiscard]] std::string to_json_line(const SkippedFrame& skipped);
+[[nodiscard]] std::string to_json_line(const LinkReport& link);
 
 // The p-th quantile, p in [0..1], by linear interpolation; 0 of nothing.
 [[nodiscard]] double quantile(std::vector<double> values, double p);

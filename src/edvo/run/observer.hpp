@@ -7,6 +7,7 @@
 #include "edvo/map/map.hpp"
 #include "edvo/odometry/frame_result.hpp"
 #include "edvo/run/outcome.hpp"
+#include "edvo/slam/verify_link.hpp"
 #include "edvo/source/rgbd_source.hpp"
 
 #include <span>
@@ -36,6 +37,10 @@ class Observer {
 
   // Keyframes came or moved, by refinement or a loop: all keyframes, by id.
   virtual void map_changed(std::span<const MapKeyframe> /*keyframes*/) {}
+
+  // What became of each pair of keyframes that might show the same place: once, after the last
+  // frame, by trackers that look for some.
+  virtual void links(std::span<const LinkReport> /*links*/) {}
 
   virtual void warning(const std::string& /*text*/) {}
 

@@ -142,6 +142,8 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
   std::uint64_t map_version = tracker.map().version();
   tracker.finish(options.threads);
   tell_map(tracker.map(), map_version, observers);
+  if (const std::vector<LinkReport> links = tracker.links(); !links.empty())
+    tell(observers, &Observer::links, std::span<const LinkReport>(links));
   outcome.trajectory = tracker.trajectory();
   outcome.keyframes = tracker.keyframe_trajectory();
   if (!outcome.trajectory.empty())

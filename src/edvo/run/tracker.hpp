@@ -3,6 +3,9 @@
 #pragma once
 
 #include "edvo/odometry/odometry.hpp"
+#include "edvo/slam/verify_link.hpp"
+
+#include <vector>
 
 namespace edvo {
 
@@ -17,6 +20,8 @@ class Tracker {
   [[nodiscard]] virtual Trajectory keyframe_trajectory() const = 0;
   [[nodiscard]] virtual const Map& map() const = 0;
   [[nodiscard]] virtual KeyframePtr newest_keyframe() const = 0;
+  // Of Slam; an odometry looks for none.
+  [[nodiscard]] virtual std::vector<LinkReport> links() const = 0;
 };
 
 // Any class with the members, behind the interface.
@@ -35,6 +40,12 @@ class TrackerOf final : public Tracker {
   }
   [[nodiscard]] const Map& map() const override { return tracker_.map(); }
   [[nodiscard]] KeyframePtr newest_keyframe() const override { return tracker_.newest_keyframe(); }
+  [[nodiscard]] std::vector<LinkReport> links() const override {
+    if constexpr (requires { tracker_.links(); })
+      return tracker_.links();
+    else
+      return {};
+  }
 
  private:
   T& tracker_;

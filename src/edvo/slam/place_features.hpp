@@ -23,6 +23,8 @@ struct PlaceFeature {
   Descriptor descriptor{};
 };
 
+constexpr std::size_t kFeaturesPerKeyframe = 400;
+
 // At most `count` corners with depth, spread over the image, in row order of their cells.
 [[nodiscard]] std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count);
 

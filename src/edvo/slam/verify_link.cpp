@@ -10,8 +10,7 @@
 namespace edvo {
 namespace {
 
-constexpr std::size_t kFeatures = 400;  // per keyframe
-constexpr int kFreeSpaceStep = 8;       // [px] between the pixels that are tested
+constexpr int kFreeSpaceStep = 8;  // [px] between the pixels that are tested
 
 std::vector<SelectedPixel> selected_pixels(const Keyframe& keyframe, const Camera& camera) {
   std::vector<SelectedPixel> pixels;
@@ -27,21 +26,6 @@ std::vector<SelectedPixel> selected_pixels(const Keyframe& keyframe, const Camer
 
 std::uint64_t pair_seed(const LinkReport& report) {
   return mix(mix(static_cast<std::uint64_t>(report.from)) + static_cast<std::uint64_t>(report.to));
-}
-
-// from_pose_to by the corners of both; sets the status where there is none.
-std::optional<SE3> motion_of_corners(const KeyframeView& from, const KeyframeView& to,
-                                     const LinkOptions& options, LinkReport& report) {
-  const std::vector<FeatureMatch> matches = match_features(to.features, from.features);
-  report.matches = static_cast<int>(matches.size());
-  report.status = LinkStatus::kFewMatches;
-  if (report.matches < options.min_matches) return std::nullopt;
-  const RigidMotion motion =
-      estimate_motion(to.features, from.features, matches, pair_seed(report));
-  report.inliers = static_cast<int>(motion.inliers.size());
-  report.status = LinkStatus::kNoMotion;
-  if (report.inliers < options.min_inliers) return std::nullopt;
-  return motion.b_from_a;
 }
 
 // Direct alignment in both directions; from_pose_to lies halfway between the two.
@@ -120,6 +104,20 @@ LinkStatus judge(const KeyframeView& from, const KeyframeView& to, const LinkOpt
 
 }  // namespace
 
+std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
+                                     const std::vector<PlaceFeature>& to,
+                                     const LinkOptions& options, LinkReport& report) {
+  const std::vector<FeatureMatch> matches = match_features(to, from);
+  report.matches = static_cast<int>(matches.size());
+  report.status = LinkStatus::kFewMatches;
+  if (report.matches < options.min_matches) return std::nullopt;
+  const RigidMotion motion = estimate_motion(to, from, matches, pair_seed(report));
+  report.inliers = static_cast<int>(motion.inliers.size());
+  report.status = LinkStatus::kNoMotion;
+  if (report.inliers < options.min_inliers) return std::nullopt;
+  return motion.b_from_a;
+}
+
 KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
                        const AlignOptions& tracking) {
   KeyframeView view{.keyframe = keyframe, .frame = {}, .reference = {}, .features = {}};
@@ -133,7 +131,7 @@ KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
   if (tracking.depth_weight > 0)
     view.reference.surface =
         make_surface(view.frame.depth, camera, tracking.surface_cell, tracking.depth_noise);
-  view.features = describe_corners(view.frame, kFeatures);
+  view.features = describe_corners(view.frame, kFeaturesPerKeyframe);
   return view;
 }
 
@@ -145,7 +143,7 @@ LinkReport verify_link(const KeyframeView& from, const KeyframeView& to,
     report.status = judge(from, to, options, report);
     if (report.status == LinkStatus::kAccepted) return report;
   }
-  const std::optional<SE3> motion = motion_of_corners(from, to, options, report);
+  const std::optional<SE3> motion = motion_of_corners(from.features, to.features, options, report);
   if (motion && align_both_ways(from, to, *motion, tracking, report))
     report.status = judge(from, to, options, report);
   return report;

@@ -24,6 +24,9 @@ enum class LinkStatus {
   kLowCorrelation,
   kSeenThrough,  // one keyframe looks through what the other measured
   kCycle,        // contradicts the odometry and earlier links
+  kKnown,        // true, but the map tells the same already
+  kNotTried,     // others of the same keyframe have more matches
+  kAlone,        // no second link joins the same two segments in the same way
 };
 
 template <>
@@ -38,6 +41,9 @@ struct EnumNames<LinkStatus> {
       {LinkStatus::kLowCorrelation, "low_correlation"},
       {LinkStatus::kSeenThrough, "seen_through"},
       {LinkStatus::kCycle, "cycle"},
+      {LinkStatus::kKnown, "known"},
+      {LinkStatus::kNotTried, "not_tried"},
+      {LinkStatus::kAlone, "alone"},
   });
 };
 
@@ -98,6 +104,12 @@ struct LinkReport {
   SE3 from_pose_to;
   Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi)
 };
+
+// from_pose_to by the corners of both. Where there is none, the report's status says why; matches
+// and inliers are filled in either case.
+[[nodiscard]] std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
+                                                   const std::vector<PlaceFeature>& to,
+                                                   const LinkOptions& options, LinkReport& report);
 
 // All steps but the cycle, which needs the pose graph. guess: from_pose_to as the map tells it; if
 // there is none, or it leads nowhere, the corners give one.

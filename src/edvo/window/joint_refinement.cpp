@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/window/joint_refinement.hpp"
 
+#include "edvo/core/parallel.hpp"
 #include "edvo/window/keyframe_unknowns.hpp"
 #include "edvo/window/pair_model.hpp"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <functional>
-#include <optional>
-#include <thread>
 #include <utility>
 
 namespace edvo {
@@ -41,16 +39,6 @@ struct ReducedSystem {
   Eigen::VectorXd gradient;
   double cost = 0;
 };
-
-// Threads take turns in calls that share no result, so that their number does not show.
-void for_each(int count, int threads, const std::function<void(int)>& function) {
-  const auto work = [&](int first) {
-    for (int i = first; i < count; i += threads) function(i);
-  };
-  std::vector<std::jthread> helpers;
-  for (int i = 1; i < std::min(threads, count); ++i) helpers.emplace_back(work, i);
-  work(0);
-}
 
 void add_priors(const WindowKeyframe& host, HostSystem& s) {
   for (std::size_t i = 0; i < host.points.size(); ++i) {
@@ -139,7 +127,7 @@ class JointProblem {
     std::vector<ReducedSystem> systems(kAtOnce);
     for (int first = 0; first < count; first += kAtOnce) {
       const int now = std::min(kAtOnce, count - first);
-      for_each(now, threads_, [&](int i) {
+      for_each_index(now, threads_, [&](int i) {
         const auto h = static_cast<std::size_t>(first + i);
         for (std::size_t k = 0; k < targets_[h].size(); ++k)
           update_pair(constants_, keyframes_[h],
@@ -162,7 +150,8 @@ class JointProblem {
     if (factor_.info() != Eigen::Success) return false;
     const Eigen::VectorXd step = factor_.solve(-gradient_);
     if (!step.allFinite()) return false;
-    for_each(static_cast<int>(keyframes_.size()), threads_, [&](int h) { move_points(h, step); });
+    for_each_index(static_cast<int>(keyframes_.size()), threads_,
+                   [&](int h) { move_points(h, step); });
     for (std::size_t k = 1; k < keyframes_.size(); ++k)
       move_keyframe(step.segment<kN>(column(static_cast<int>(k))), keyframes_[k]);
     return true;

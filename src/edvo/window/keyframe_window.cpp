@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/window/keyframe_window.hpp"
 
-#include "edvo/window/joint_refinement.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -49,15 +47,6 @@ bool KeyframeWindow::refine(const Camera& camera, const WindowOptions& options) 
     refined_.push_back({.id = key.id, .world_from_camera = key.world_from_key});
   }
   return !refinement_.finished;
-}
-
-void KeyframeWindow::refine_all(const Camera& camera, const WindowOptions& options, int threads) {
-  const JointOptions joint{.iterations = options.final_iterations, .threads = threads};
-  refine_jointly(recent_, keyframes_in_view(recent_, camera, joint.neighbours), camera, options,
-                 joint);
-  refined_.clear();
-  for (const WindowKeyframe& key : recent_)
-    refined_.push_back({.id = key.id, .world_from_camera = key.world_from_key});
 }
 
 // The keyframe, not the first nor one to be refined, without which the least gap is left.

@@ -29,8 +29,8 @@ class KeyframeWindow {
   // Of the keyframes that the last step moved or could have moved.
   [[nodiscard]] const std::vector<Pose>& refined() const { return refined_; }
 
-  // Refines all keyframes together, the first of them held; what refined() tells is then all.
-  void refine_all(const Camera& camera, const WindowOptions& options, int threads);
+  // All that are kept, the oldest first; to be changed only while no refinement is under way.
+  [[nodiscard]] std::vector<WindowKeyframe>& keyframes() { return recent_; }
 
  private:
   void choose_members(const Camera& camera, const WindowOptions& options);

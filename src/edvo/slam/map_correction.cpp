@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/slam/map_correction.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace edvo {
+namespace {
+
+constexpr double kAgreeing = 0.1;  // [m], [rad] between what two links tell of two segments
+constexpr int kSupport = 2;        // links that agree, for two segments to be joined
+
+// Sigmas of a step of the odometry beside those that tracking reports.
+constexpr double kStepSigma = 0.001;  // [m], [rad]
+// Of a link beside those that alignment reports. The wider the baseline, the more alike pixels hide
+// that they are not the same: both directions then agree on a motion that is off by some percent.
+constexpr double kLinkSigma = 0.02;  // [m], [rad]
+constexpr double kLinkShare = 0.1;   // of the link's own translation and rotation
+
+const MapKeyframe& at(const std::vector<MapKeyframe>& keyframes, std::int64_t id) {
+  return keyframes[static_cast<std::size_t>(id)];
+}
+
+struct Join {
+  int into = 0, segment = 0;
+  SE3 into_from_segment;  // world of the one from that of the other
+  int support = 0;        // links
+};
+
+// Between the worlds of two segments, the lower id first.
+Join join_by(const std::vector<MapKeyframe>& keyframes, const LinkReport& link) {
+  const MapKeyframe &from = at(keyframes, link.from), &to = at(keyframes, link.to);
+  Join join{.into = from.segment,
+            .segment = to.segment,
+            .into_from_segment =
+                from.world_from_camera * link.from_pose_to * inverse(to.world_from_camera)};
+  if (join.into > join.segment) {
+    std::swap(join.into, join.segment);
+    join.into_from_segment = inverse(join.into_from_segment);
+  }
+  return join;
+}
+
+bool agree(const Join& join, const std::vector<MapKeyframe>& keyframes, const LinkReport& link) {
+  const Join other = join_by(keyframes, link);
+  if (other.into != join.into || other.segment != join.segment) return false;
+  const MapKeyframe &from = at(keyframes, link.from), &to = at(keyframes, link.to);
+  const SE3& pose = (from.segment == join.segment ? from : to).world_from_camera;
+  const SE3 error = inverse(join.into_from_segment * pose) * (other.into_from_segment * pose);
+  return error.translation.norm() < kAgreeing && rotation_angle(error) < kAgreeing;
+}
+
+// The join on which most links agree.
+Join best_join(const std::vector<MapKeyframe>& keyframes, const std::vector<LinkReport>& links) {
+  std::vector<const LinkReport*> between;
+  for (const LinkReport& link : links)
+    if (link.status == LinkStatus::kAccepted &&
+        at(keyframes, link.from).segment != at(keyframes, link.to).segment)
+      between.push_back(&link);
+  Join best;
+  for (const LinkReport* const link : between) {
+    Join join = join_by(keyframes, *link);
+    for (const LinkReport* const other : between)
+      if (agree(join, keyframes, *other)) ++join.support;
+    if (join.support > best.support) best = join;
+  }
+  return best;
+}
+
+// Information with floors added to its sigmas.
+Matrix6d weaken(const Matrix6d& information, double translation_sigma, double rotation_sigma) {
+  Matrix6d covariance = information.inverse();
+  covariance.diagonal().head<3>().array() += translation_sigma * translation_sigma;
+  covariance.diagonal().tail<3>().array() += rotation_sigma * rotation_sigma;
+  const Matrix6d weaker = covariance.inverse();
+  return 0.5 * (weaker + weaker.transpose());
+}
+
+}  // namespace
+
+void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>& links) {
+  for (Join join = best_join(keyframes, links); join.support >= kSupport;
+       join = best_join(keyframes, links))
+    for (MapKeyframe& key : keyframes)
+      if (key.segment == join.segment) {
+        key.segment = join.into;
+        key.world_from_camera = join.into_from_segment * key.world_from_camera;
+      }
+  for (LinkReport& link : links)
+    if (link.status == LinkStatus::kAccepted &&
+        at(keyframes, link.from).segment != at(keyframes, link.to).segment)
+      link.status = LinkStatus::kAlone;
+}
+
+void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
+                 std::vector<LinkReport>& links) {
+  PoseGraph graph;
+  for (const MapKeyframe& key : keyframes) graph.world_from_node.push_back(key.world_from_camera);
+  const auto add = [&](std::int64_t from, std::int64_t to, const SE3& motion,
+                       const Matrix6d& information, LinkKind kind) {
+    graph.links.push_back({.from = static_cast<int>(from),
+                           .to = static_cast<int>(to),
+                           .from_pose_to = motion,
+                           .information = information,
+                           .kind = kind});
+  };
+  for (const OdometryStep& step : steps)
+    add(step.from, step.to,
+        inverse(at(keyframes, step.from).world_from_camera) *
+            at(keyframes, step.to).world_from_camera,
+        weaken(step.information, kStepSigma, kStepSigma), LinkKind::kOdometry);
+  std::vector<LinkReport*> used;
+  for (LinkReport& link : links) {
+    if (link.status != LinkStatus::kAccepted) continue;
+    const double translation = kLinkSigma + kLinkShare * link.from_pose_to.translation.norm();
+    const double rotation = kLinkSigma + kLinkShare * rotation_angle(link.from_pose_to);
+    link.information = weaken(link.information, translation, rotation);
+    add(link.from, link.to, link.from_pose_to, link.information, LinkKind::kLoop);
+    used.push_back(&link);
+  }
+  if (used.empty()) return;
+  const GraphSummary summary = select_links(graph);
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    const GraphLink& link = graph.links[steps.size() + k];
+    used[k]->cycle_chi_square = chi_square(graph, link);
+    if (!link.enabled) used[k]->status = LinkStatus::kCycle;
+  }
+  if (summary.status == GraphStatus::kNotFinite) return;
+  for (std::size_t i = 0; i < keyframes.size(); ++i)
+    keyframes[i].world_from_camera = graph.world_from_node[i];
+}
+
+}  // namespace edvo

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// What links between keyframes change of a map: segments are joined, loops are closed.
+#pragma once
+
+#include "edvo/map/map.hpp"
+#include "edvo/slam/pose_graph.hpp"
+#include "edvo/slam/verify_link.hpp"
+
+#include <vector>
+
+namespace edvo {
+
+// Moves segments into the frame of an older one where two links or more agree on the motion between
+// them. Accepted links between segments that stay apart become kAlone. keyframes: by id.
+void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>& links);
+
+// From a keyframe to the next one of its segment, as tracked and refined.
+struct OdometryStep {
+  KeyframeId from = 0, to = 0;
+  Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi), as tracked
+};
+
+// Moves keyframes to where the odometry's steps and accepted links agree best. Links that
+// contradict the others become kCycle. Changes no pose if no link holds. keyframes: by id.
+void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
+                 std::vector<LinkReport>& links);
+
+}  // namespace edvo

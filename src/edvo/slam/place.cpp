@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/slam/place.hpp"
+
+#include "edvo/slam/verify_link.hpp"
+
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+
+namespace edvo {
+namespace {
+
+cv::Mat_<float> full_depth(const Place& place) {
+  cv::Mat_<float> depth(place.gray.size());
+  for (int y = 0; y < depth.rows; ++y)
+    for (int x = 0; x < depth.cols; ++x) {
+      const std::uint16_t steps = place.half_depth(y / 2, x / 2);
+      depth(y, x) = steps > 0 ? kDepthStep * static_cast<float>(steps)
+                              : std::numeric_limits<float>::quiet_NaN();
+    }
+  return depth;
+}
+
+}  // namespace
+
+Place make_place(const Keyframe& keyframe) {
+  constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();
+  Place place{.id = keyframe.id, .stamp = keyframe.stamp, .gray = keyframe.gray};
+  const cv::Mat_<float>& depth = keyframe.depth;
+  place.half_depth.create((depth.rows + 1) / 2, (depth.cols + 1) / 2);
+  for (int y = 0; y < place.half_depth.rows; ++y)
+    for (int x = 0; x < place.half_depth.cols; ++x) {
+      const float steps = std::round(depth(2 * y, 2 * x) / kDepthStep);
+      place.half_depth(y, x) =
+          steps > 0 && steps <= kMostSteps ? static_cast<std::uint16_t>(steps) : 0;
+    }
+  place.points.reserve(keyframe.points.size());
+  for (const ColoredPoint& point : keyframe.points) place.points.push_back(point.position);
+  return place;
+}
+
+KeyframePtr keyframe_of(const Place& place) {
+  auto keyframe = std::make_shared<Keyframe>();
+  keyframe->id = place.id;
+  keyframe->stamp = place.stamp;
+  keyframe->gray = place.gray;
+  cv::cvtColor(place.gray, keyframe->bgr, cv::COLOR_GRAY2BGR);
+  keyframe->depth = full_depth(place);
+  keyframe->points.reserve(place.points.size());
+  for (const Eigen::Vector3f& point : place.points) keyframe->points.push_back({.position = point});
+  return keyframe;
+}
+
+PlaceSignature make_signature(const Place& place, const Camera& camera) {
+  const KeyframePtr keyframe = keyframe_of(place);
+  const Frame frame =
+      make_frame({.stamp = place.stamp, .bgr = keyframe->bgr, .depth = keyframe->depth},
+                 make_undistortion({.pinhole = camera}));
+  return {.code = make_fern_code(place.gray, keyframe->depth),
+          .features = describe_corners(frame, kFeaturesPerKeyframe)};
+}
+
+}  // namespace edvo

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// SLAM: the odometry, whose keyframes are joined at the end by the places that they show again. The
+// same door as Odometry.
+#pragma once
+
+#include "edvo/odometry/odometry.hpp"
+#include "edvo/slam/link_search.hpp"
+#include "edvo/slam/map_correction.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace edvo {
+
+struct SlamConfig {
+  LoopOptions loops;
+  LinkOptions links;
+};
+
+// While images come it is the odometry. finish() looks for keyframes of the same place, in whatever
+// segment, verifies them, joins segments, closes loops, and has all keyframes refined together.
+class Slam {
+ public:
+  // As Odometry's, see there.
+  Slam(const DistortedCamera& camera, const Config& config, const SlamConfig& slam = {},
+       std::unique_ptr<EdgeDetector> detector = nullptr);
+
+  FrameResult process(const RgbdImage& image) { return process(prepare(image)); }
+  [[nodiscard]] PreparedImage prepare(const RgbdImage& image) const {
+    return odometry_.prepare(image);
+  }
+  FrameResult process(const PreparedImage& image);
+
+  // Call it once after the last image; more images may follow. The result is the same for any
+  // number of threads.
+  void finish(int threads = 2);
+
+  [[nodiscard]] Trajectory trajectory() const { return odometry_.trajectory(); }
+  [[nodiscard]] Trajectory keyframe_trajectory() const { return odometry_.keyframe_trajectory(); }
+  [[nodiscard]] const Map& map() const { return odometry_.map(); }
+  [[nodiscard]] KeyframePtr newest_keyframe() const { return odometry_.newest_keyframe(); }
+
+  // What the last finish() found out about each candidate.
+  [[nodiscard]] const std::vector<LinkReport>& links() const { return links_; }
+
+ private:
+  void add_place(const FrameResult& result);
+  [[nodiscard]] std::vector<Place> searched_places() const;
+
+  Odometry odometry_;
+  Camera camera_;
+  Config config_;
+  SlamConfig slam_;
+  std::vector<Place> places_;  // by keyframe; of places where many were taken, fewer
+  std::vector<OdometryStep> steps_;
+  std::vector<LinkReport> links_;
+};
+
+}  // namespace edvo
