@@ -4,15 +4,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-formatter=$(command -v clang-format-14 || command -v clang-format || true)
-if [[ -z $formatter ]]; then
-  echo "clang-format is missing: apt-get install clang-format-14" >&2
-  exit 1
-fi
 # Versions disagree on details; only one of them can decide.
-if ! "$formatter" --version | grep -q 'version 14\.'; then
-  echo "clang-format 14 is needed, found: $("$formatter" --version)" >&2
-  exit 1
+formatter=$(command -v clang-format-14 || true)
+if [[ -z $formatter ]]; then
+  echo "clang-format-14 is missing (Debian 12 has it)" >&2
+  exit 77  # ctest: skipped
 fi
 
 mapfile -t files < <(find src apps tests examples benchmarks python \

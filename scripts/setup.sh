@@ -10,22 +10,20 @@ fail() {
   exit 1
 }
 
-packages_listed() {
-  sed 's/#.*//' scripts/packages.txt | xargs -n1
-}
-
+# packages_missing LIST...
 packages_missing() {
-  comm -23 <(packages_listed | sort -u) \
+  comm -23 <(sed 's/#.*//; s/?//' "$@" | xargs -n1 | sort -u) \
     <(dpkg-query -W -f='${db:Status-Abbrev} ${Package}\n' 2>/dev/null |
       sed -n 's/^.i  *//p' | sort -u)
 }
 
+# install_packages [LIST...]: what is missing of scripts/packages.txt and the lists.
 install_packages() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
-    fail "this script installs packages with apt (Debian 12); elsewhere, install the equivalents" \
+    fail "this script installs packages with apt (Debian 12 or 13); elsewhere, install the equivalents" \
          "of scripts/packages.txt, then: cmake --preset release && cmake --build --preset release"
   local missing
-  mapfile -t missing < <(packages_missing)
+  mapfile -t missing < <(packages_missing scripts/packages.txt "$@")
   [[ ${#missing[@]} -gt 0 ]] || return 0
 
   local as_root=()
@@ -43,10 +41,16 @@ install_packages() {
              -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
   # One unreachable mirror among several does no harm: only the installation decides.
   "${apt[@]}" update >"$log" 2>&1 || true
+  # What is only of use is left out where the release does not have it.
+  local package
+  for package in $(sed -n 's/#.*//; s/?.*//p' scripts/packages.txt "$@"); do
+    apt-cache policy "$package" | grep -q 'Candidate: [0-9]' ||
+      mapfile -t missing < <(printf '%s\n' "${missing[@]}" | grep -vx "$package")
+  done
   if ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
     grep -m3 -E '^(E|W|Err):' "$log" >&2 || tail -n 3 "$log" >&2
     rm -f "$log"
-    fail "could not install these packages: is there a network, and is this Debian 12 or later?"
+    fail "could not install these packages: is there a network, and is this Debian 12 or 13?"
   fi
   rm -f "$log"
 }
