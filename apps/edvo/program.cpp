@@ -12,11 +12,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <new>
-#include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace edvo::app {
@@ -37,22 +34,9 @@ void add_verbs(CLI::App& program, const Extension& extension) {
   for (const Extension::Verb& verb : extension.verbs) add_extension_verb(program, verb);
 }
 
-// Not an edvo::Error: what the system does not give is neither a bug nor the input's fault.
-constexpr int kNoResourcesStatus = 10;
-
-int fail(ErrorCode code, const std::string& message) {
-  say("edvo: {}\n", message);
-  return static_cast<int>(code);
-}
-
-int fail_without_resources(const std::string& what) {
-  say("edvo: {}; close other programs or lift the limit (ulimit -a shows them)\n", what);
-  return kNoResourcesStatus;
-}
-
-int fail_in_opencv(const cv::Exception& error) {
-  if (error.code == cv::Error::StsNoMem) return fail_without_resources("not enough memory");
-  return fail(ErrorCode::kInternal, error.what());
+int fail(const Error& error) {
+  say("edvo: {}\n", error.what());
+  return static_cast<int>(error.code());
 }
 
 // `edvo help VERB` is `edvo VERB --help`; a verb that is unknown is left to be reported as one.
@@ -83,8 +67,8 @@ int run_verb(int argc, char** argv, const Extension& extension) {
     return error.get_exit_code();  // the verb has said all there is to say
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return fail(ErrorCode::kUsage,
-                explain(program, error, arguments.empty() ? "" : arguments.front()));
+    return fail(
+        {ErrorCode::kUsage, explain(program, error, arguments.empty() ? "" : arguments.front())});
   }
   return 0;
 }
@@ -100,16 +84,8 @@ int run_program(int argc, char** argv, const Extension& extension) {
     const int status = run_verb(argc, argv, extension);
     finish_printing();
     return status;
-  } catch (const Error& error) {
-    return fail(error.code(), error.what());
-  } catch (const std::bad_alloc&) {
-    return fail_without_resources("not enough memory");
-  } catch (const std::system_error& error) {
-    return fail_without_resources(error.what());
-  } catch (const cv::Exception& error) {
-    return fail_in_opencv(error);
-  } catch (const std::exception& error) {
-    return fail(ErrorCode::kInternal, error.what());
+  } catch (...) {
+    return fail(caught_error());
   }
 }
 

@@ -27,6 +27,7 @@ class FakeTracker {
 
   FrameResult process(const PreparedImage& image) {
     const int i = processed_++;
+    if (i == fails_at && throws) throws();
     if (i == fails_at) throw Error(fails_with, "tracker: cannot");
     FrameResult result{.stamp = image.frame.stamp,
                        .status = i == 0 ? FrameStatus::kFirst : FrameStatus::kTracked,
@@ -60,6 +61,7 @@ class FakeTracker {
   int lost_at = -1, restarts_at = -1, fails_at = -1;
   mutable int keyframes_made = 0;
   ErrorCode fails_with = ErrorCode::kInput;
+  std::function<void()> throws = nullptr;  // instead of an Error with this code
 
  private:
   int processed_ = 0;
@@ -204,6 +206,21 @@ TEST(Run, EndsAtAnErrorOfTheTrackerThatIsNotAboutOneFrame) {
   const RunOutcome outcome = run(source, tracker);
   EXPECT_EQ(outcome.trajectory.size(), 2U);
   EXPECT_EQ(failure_of(outcome, "made")->code(), ErrorCode::kModel);
+}
+
+TEST(Run, KeepsWhatWasDoneWhateverTheTrackerThrows) {
+  const auto thrown = [](const std::function<void()>& throws) {
+    MadeSource source(9, image_of);
+    FakeTracker tracker;
+    tracker.fails_at = 2;
+    tracker.throws = throws;
+    const RunOutcome outcome = run(source, tracker);
+    EXPECT_EQ(outcome.trajectory.size(), 2U);
+    return outcome.error->code();
+  };
+  EXPECT_EQ(thrown([] { throw std::bad_alloc(); }), ErrorCode::kResources);
+  EXPECT_EQ(thrown([] { CV_Error(cv::Error::StsNoMem, "no memory"); }), ErrorCode::kResources);
+  EXPECT_EQ(thrown([] { throw std::logic_error("a bug"); }), ErrorCode::kInternal);
 }
 
 TEST(Run, WhatAnObserverThrowsPassesThrough) {

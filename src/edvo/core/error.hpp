@@ -18,6 +18,7 @@ enum class ErrorCode {
   kOutput = 7,        // results cannot be written: disk full, no permission
   kEvaluation = 8,    // trajectories that cannot be compared: no overlap, too few poses
   kTrackingLost = 9,  // the run ended with no pose at all
+  kResources = 10,    // the system gives no more memory, threads or open files
 };
 
 // Thrown with a message of the form "where: what, value; how to mend it".
@@ -29,5 +30,9 @@ class Error : public std::runtime_error {
  private:
   ErrorCode code_;
 };
+
+// To be called in a catch block: what was caught, as an Error. Whatever is neither an Error nor a
+// lack of resources is kInternal.
+[[nodiscard]] Error caught_error();
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Who watches a run: writes it down, shows it, hands it on.
+// The interface of whatever watches a run: records it, displays it, passes it on.
 #pragma once
 
 #include "edvo/image/frame.hpp"
@@ -24,18 +24,20 @@ class Observer {
   // Before the first frame.
   virtual void begin(const SourceInfo& /*source*/) {}
 
-  // A frame was processed: tracked or lost. image: what it was made from; its pixels may be kept,
-  // as they are never written again.
+  // A frame was processed, whatever its status, lost ones included. image: what prepare() made of
+  // it; its pixels may be kept, they are never written again.
   virtual void frame(const FrameResult& /*result*/, const Frame& /*image*/) {}
 
-  // A frame could not be read or used.
+  // A frame could not be read, has the wrong size or type, or is not later than the one before.
   virtual void skipped(const SkippedFrame& /*frame*/) {}
 
-  // A frame became a keyframe. Told only who wants it: a keyframe with its images costs time.
+  // The frame just told became a keyframe; also the first one of a segment. Only observers whose
+  // wants_keyframes() is true are told: copying a keyframe's images costs time.
   [[nodiscard]] virtual bool wants_keyframes() const { return false; }
   virtual void keyframe(const KeyframePtr& /*keyframe*/) {}
 
-  // Keyframes came or moved, by refinement or a loop: all keyframes, by id.
+  // Keyframes were added or moved: all of them, by id. After frame() and keyframe(), and once more
+  // at the end if finish() moved some.
   virtual void map_changed(std::span<const MapKeyframe> /*keyframes*/) {}
 
   // What became of each pair of keyframes that might show the same place: once, after the last
@@ -44,7 +46,8 @@ class Observer {
 
   virtual void warning(const std::string& /*text*/) {}
 
-  // After the last frame, also of a run that was stopped or ended in an error.
+  // The last call, after finish() and the evaluation; also of a run that was stopped or ended in an
+  // error, but not if an observer threw.
   virtual void end(const RunOutcome& /*outcome*/) {}
 
  protected:

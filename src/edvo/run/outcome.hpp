@@ -21,16 +21,17 @@ struct SkippedFrame {
   std::string reason;
 };
 
-// Every frame of the source is in one of the first five.
+// Every frame that was asked for is in one of the first five, but the one whose error ended the
+// run.
 struct FrameCounts {
   std::int64_t tracked = 0;  // pose estimated, the first one included
   std::int64_t lost = 0;
   std::int64_t restarted = 0;  // pose guessed, a new segment begun
   std::int64_t skipped = 0;
-  std::int64_t dropped = 0;  // of a live source, as later ones had come
+  std::int64_t dropped = 0;  // of a live source: not read, as a newer one had come
 
-  std::int64_t relocalized = 0;              // of those tracked: back in an earlier segment
-  std::int64_t segments = 0;                 // between which no motion is known
+  std::int64_t relocalized = 0;  // of those tracked: back in an earlier segment
+  std::int64_t segments = 0;     // parts of the trajectory; no motion is known between two of them
   std::map<LossCause, std::int64_t> causes;  // of the frames lost
 };
 
@@ -74,14 +75,14 @@ struct RunEvaluation {
 struct RunOutcome {
   FrameCounts counts;
   Stamp first_stamp;      // of the first frame that was processed
-  Trajectory trajectory;  // as known at the end; lost frames left out
-  Trajectory online;      // each pose as known when its frame was processed
+  Trajectory trajectory;  // after all refinement; see Odometry::trajectory() for what is left out
+  Trajectory online;      // each pose as known when its frame was processed, restarted ones too
   Trajectory keyframes;   // as known at the end
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;   // why there is none
-  double wall_seconds = 0;     // from the first frame asked for to the last pose
+  double wall_seconds = 0;     // of the frames; finish() and the evaluation are not in it
   bool interrupted = false;    // by RunOptions::should_stop
-  std::optional<Error> error;  // that ended it: of the source, or of the tracker
+  std::optional<Error> error;  // that ended the run: of the source, or of the tracker
 };
 
 // As half a sentence: "hardly a pixel has a depth in range".

@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <exception>
 #include <span>
 #include <variant>
 
@@ -24,15 +23,15 @@ void tell(const Observers& observers, Member member, const Values&... values) {
   for (Observer* const observer : observers) (observer->*member)(values...);
 }
 
-// The frame tracked, or why there is no result.
-std::variant<FrameResult, Error> process(Tracker& tracker, const PreparedFrame& frame) {
+// The frame's result (also if it is lost), or why there is none: it could not be read, or not used.
+std::variant<FrameResult, Error> track(Tracker& tracker, const PreparedFrame& frame) {
   if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
     FrameResult result = tracker.process(std::get<PreparedImage>(frame.content));
-    result.index = frame.index;
+    result.index = frame.index;  // of the source; the tracker counts only what it was given
     return result;
-  } catch (const Error& error) {
-    return error;
+  } catch (...) {
+    return caught_error();
   }
 }
 
@@ -70,34 +69,34 @@ void add_skipped(const PreparedFrame& frame, const Error& error, const Observers
        SkippedFrame{.index = frame.index, .stamp = to_string(frame.stamp), .reason = error.what()});
 }
 
-// None at the end of the source, at its error, which goes into the outcome, or if asked to stop.
-std::optional<PreparedFrame> next(Prefetch<PreparedImage>& frames,
-                                  const std::function<bool()>& should_stop, RunOutcome& outcome) {
+// The next frame; none at the end of the source, if asked to stop, or if the source failed (then
+// outcome.error says why).
+std::optional<PreparedFrame> next_frame(Prefetch<PreparedImage>& frames,
+                                        const std::function<bool()>& should_stop,
+                                        RunOutcome& outcome) {
   try {
     return frames.next(should_stop);
-  } catch (const Error& error) {
-    outcome.error = error;
-  } catch (const std::exception& error) {
-    outcome.error = Error(ErrorCode::kInternal, error.what());
+  } catch (...) {
+    outcome.error = caught_error();
   }
   return std::nullopt;
 }
 
 void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observers& observers,
-               const std::function<bool()>& should_stop, RunOutcome& outcome) {
-  std::uint64_t map_version = 0;
-  while (const std::optional<PreparedFrame> frame = next(frames, should_stop, outcome)) {
-    const std::variant<FrameResult, Error> result = process(tracker, *frame);
-    if (const Error* const error = std::get_if<Error>(&result)) {
-      if (error->code() != ErrorCode::kInput) {
+               const std::function<bool()>& should_stop, std::uint64_t& map_version,
+               RunOutcome& outcome) {
+  while (const std::optional<PreparedFrame> frame = next_frame(frames, should_stop, outcome)) {
+    const std::variant<FrameResult, Error> tracked = track(tracker, *frame);
+    if (const Error* const error = std::get_if<Error>(&tracked)) {
+      if (error->code() != ErrorCode::kInput) {  // kInput is about this frame alone
         outcome.error = *error;
         return;
       }
       add_skipped(*frame, *error, observers, outcome);
     } else {
-      const FrameResult& known = std::get<FrameResult>(result);
-      add_result(known, std::get<PreparedImage>(frame->content).frame, observers, outcome);
-      if (known.new_keyframe) tell_keyframe(tracker, observers);
+      const FrameResult& result = std::get<FrameResult>(tracked);
+      add_result(result, std::get<PreparedImage>(frame->content).frame, observers, outcome);
+      if (result.new_keyframe) tell_keyframe(tracker, observers);
       tell_map(tracker.map(), map_version, observers);
     }
     outcome.interrupted = should_stop && should_stop();
@@ -119,7 +118,6 @@ void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth,
     for (const std::string& warning : outcome.evaluation->warnings)
       tell(observers, &Observer::warning, warning);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::kEvaluation) throw;
     outcome.no_evaluation = fmt::format("{}: {}", truth->source, error.what());
     tell(observers, &Observer::warning, "no evaluation: " + outcome.no_evaluation);
   }
@@ -131,16 +129,17 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
                        const RunOptions& options) {
   tell(observers, &Observer::begin, source.info());
   RunOutcome outcome;
+  std::uint64_t map_version = 0;  // that observers were told of
   const Clock::time_point start = Clock::now();
   {
+    // From disk to Frame, ahead of time and on other threads; tracking is on this one.
     Prefetch frames([&](const PendingFrame& frame) { return tracker.prepare(frame.load()); },
                     source, {.threads = options.threads});
-    track_all(frames, tracker, observers, options.should_stop, outcome);
+    track_all(frames, tracker, observers, options.should_stop, map_version, outcome);
     outcome.counts.dropped = frames.dropped();
   }
   outcome.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  std::uint64_t map_version = tracker.map().version();
-  tracker.finish(options.threads);
+  tracker.finish(options.threads);  // also after an error or a stop
   tell_map(tracker.map(), map_version, observers);
   if (const std::vector<LinkReport> links = tracker.links(); !links.empty())
     tell(observers, &Observer::links, std::span<const LinkReport>(links));

@@ -14,7 +14,7 @@
 namespace edvo {
 
 struct RunOptions {
-  int threads = 2;  // one of them tracks, the others read ahead; the result is the same
+  int threads = 2;  // one tracks, the others (4 at most) read ahead; results do not depend on it
   // Asked after each frame, and while a live source has none: true ends the run, whose results so
   // far are its results.
   std::function<bool()> should_stop = nullptr;
@@ -23,10 +23,11 @@ struct RunOptions {
 
 using Observers = std::vector<Observer*>;  // told in this order
 
-// Tracks every frame of the source until its end, an error or a request to stop, and compares the
-// poses with ground truth if there is one. Frames that cannot be read or used are skipped. An error
-// of the source or the tracker ends the run and is in the outcome; only what observers throw is
-// thrown.
+// Tracks every frame of the source until its end, an error or a request to stop; then refines the
+// last keyframes, takes the trajectories, and compares them with ground truth if there is any.
+// Observers are told of each step as it happens, all from this thread. An Error(kInput) about a
+// frame skips that frame; any other error of source or tracker ends the run and is in the outcome.
+// Only what observers throw is thrown.
 RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& observers,
                        const RunOptions& options);
 
@@ -34,8 +35,8 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
 template <typename T>
 RunOutcome run(RgbdSource& source, T& tracker, const Observers& observers = {},
                const RunOptions& options = {}) {
-  TrackerOf<T> door(tracker);
-  return run_tracker(source, door, observers, options);
+  TrackerOf<T> adapter(tracker);
+  return run_tracker(source, adapter, observers, options);
 }
 
 }  // namespace edvo

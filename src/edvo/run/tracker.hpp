@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the loop needs of whoever estimates poses.
+// What run() needs of a pose estimator: the members of Odometry that it calls.
 #pragma once
 
 #include "edvo/odometry/odometry.hpp"
@@ -9,7 +9,7 @@
 
 namespace edvo {
 
-// Odometry has these members, and so has whatever takes its place; see there for what they do.
+// See Odometry for what each member does.
 class Tracker {
  public:
   virtual ~Tracker() = default;
@@ -24,7 +24,7 @@ class Tracker {
   [[nodiscard]] virtual std::vector<LinkReport> links() const = 0;
 };
 
-// Any class with the members, behind the interface.
+// Wraps any class that has these members.
 template <typename T>
 class TrackerOf final : public Tracker {
  public:

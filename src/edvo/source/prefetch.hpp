@@ -206,12 +206,10 @@ Prefetched<Frame> Prefetch<Frame>::read_frame(const PendingFrame& pending) const
   };
   try {
     return {.index = pending.index, .stamp = pending.stamp, .content = read_(pending)};
-  } catch (const Error& error) {
-    return failed(error);
-  } catch (const std::bad_alloc&) {
+  } catch (const std::bad_alloc&) {  // the next frame may be smaller
     return failed(Error(ErrorCode::kInput, "not enough memory for this frame"));
-  } catch (const std::exception& error) {
-    return failed(Error(ErrorCode::kInternal, error.what()));
+  } catch (...) {
+    return failed(caught_error());
   }
 }
 
