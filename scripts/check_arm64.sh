@@ -25,6 +25,8 @@ if [[ ! -e $EDVO_SYSROOT.made ]]; then
     while IFS= read -r -d '' link; do
       ln -sfr "$EDVO_SYSROOT$(readlink "$link")" "$link"
     done
+  # What update-alternatives would do.
+  ln -sf blas/libblas.so.3 lapack/liblapack.so.3 "$EDVO_SYSROOT/usr/lib/aarch64-linux-gnu/"
   touch "$EDVO_SYSROOT.made"
 fi
 
