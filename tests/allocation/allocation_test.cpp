@@ -20,10 +20,11 @@ using test::allocations;
 
 constexpr int kFrames = 18;
 
-// Frame i of a camera that slides along a wall.
+// Frame i of a camera that slides along a wall, which it sees at an angle: constant depth is none.
 RgbdImage image(int i) {
+  static const SE3 oblique = exp((Vector6d() << 0, 0, 0, 0.05, 0.08, 0).finished());
   return test::render_plane({.distance = 2.0}, test::kSmallCamera,
-                            {.translation = {0.004 * i, 0.002 * i, 0}},
+                            oblique * SE3{.translation = {0.004 * i, 0.002 * i, 0}},
                             stamp_from_seconds(i / 30.0));
 }
 

@@ -155,7 +155,7 @@ TEST_F(RunCommand, FailsWhereNothingCanBeTracked) {
   const auto result = run("2>&1");
   EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kTrackingLost)) << result.output;
   EXPECT_THAT(result.output, HasSubstr("none of 12 frames"));
-  EXPECT_THAT(result.output, HasSubstr("of 12: hardly a pixel has a depth in range"));
+  EXPECT_THAT(result.output, HasSubstr("12 of them because hardly a pixel has a depth in range"));
   EXPECT_TRUE(fs::exists(out() / "frames.jsonl"));
 }
 

@@ -315,7 +315,8 @@ TEST(Run, OnePoseOfManyFramesIsNoTracking) {
   EXPECT_THAT(failure->what(),
               HasSubstr("made: none of 6 frames could be tracked (3 lost, 2 skipped)"));
   outcome.counts.causes = {{LossCause::kNoTexture, 1}, {LossCause::kNoDepth, 2}};
-  EXPECT_THAT(failure_of(outcome, "made")->what(), HasSubstr("of 2: hardly a pixel has a depth"));
+  EXPECT_THAT(failure_of(outcome, "made")->what(),
+              HasSubstr("; 2 of them because hardly a pixel has a depth"));
   outcome.counts = {.tracked = 1};
   EXPECT_FALSE(failure_of(outcome, "made"));
 }

@@ -40,15 +40,16 @@ enum class KeyframeReason {
 
 // Why a frame is lost.
 enum class LossCause {
-  kNone,       // it is not
-  kNoDepth,    // hardly a pixel has a depth in range
-  kNoTexture,  // hardly a pixel has a gradient
-  kFewPoints,  // too few pixels have both
-  kUnlike,     // the images do not correlate
-  kOverlap,    // too few of the keyframe's points are in view
-  kOutliers,   // too few of the points in view fit
-  kResiduals,  // residuals are far larger than usual, of intensity and of depth
-  kTooFast,    // the motion would be faster than any camera moves
+  kNone,           // it is not
+  kNoDepth,        // hardly a pixel has a depth in range
+  kConstantDepth,  // all depths are the same: no sensor measures that
+  kNoTexture,      // hardly a pixel has a gradient
+  kFewPoints,      // too few pixels have both
+  kUnlike,         // the images do not correlate
+  kOverlap,        // too few of the keyframe's points are in view
+  kOutliers,       // too few of the points in view fit
+  kResiduals,      // residuals are far larger than usual, of intensity and of depth
+  kTooFast,        // the motion would be faster than any camera moves
 };
 
 // Where the time of a frame went, on whatever thread. [ms]
@@ -117,6 +118,7 @@ struct EnumNames<LossCause> {
   static constexpr auto names = std::to_array<std::pair<LossCause, std::string_view>>({
       {LossCause::kNone, "none"},
       {LossCause::kNoDepth, "no_depth"},
+      {LossCause::kConstantDepth, "constant_depth"},
       {LossCause::kNoTexture, "no_texture"},
       {LossCause::kFewPoints, "few_points"},
       {LossCause::kUnlike, "unlike"},

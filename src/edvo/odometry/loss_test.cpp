@@ -20,7 +20,10 @@ constexpr double kMostTurn = 15;            // [rad/s]
 constexpr double kLeastSeconds = 1.0 / 30;  // [s] stamps nearer to each other may be wrong
 
 constexpr int kGrid = 8;             // [px]
+constexpr int kOddGrid = 7;          // [px] sees rows of both parities, which may differ
 constexpr double kHardlyAny = 0.01;  // [0..1] of the grid
+constexpr double kFewOthers = 0.02;  // [0..1] of its depths
+constexpr int kMostOthers = 100;     // of the grid: no need to look at all of it
 
 // An image of the same place from elsewhere can be aligned well, and no camera moved there.
 bool is_too_fast(const AlignResult& result, const TrackingState& state, const Stamp& stamp) {
@@ -45,6 +48,22 @@ LossCause loss_cause(const AlignResult& result, const AlignOptions& options,
     return LossCause::kResiduals;
   if (is_too_fast(result, state, stamp)) return LossCause::kTooFast;
   return LossCause::kNone;
+}
+
+bool has_constant_depth(const Frame& frame, const SelectOptions& options) {
+  float first = 0;
+  int valid = 0, others = 0;
+  for (int y = kOddGrid / 2; y < frame.depth.rows(); y += kOddGrid)
+    for (int x = kOddGrid / 2; x < frame.depth.cols(); x += kOddGrid) {
+      const float z = frame.depth(y, x);
+      if (!(static_cast<double>(z) >= options.min_depth &&
+            static_cast<double>(z) <= options.max_depth))
+        continue;
+      if (valid++ == 0) first = z;
+      others += z != first ? 1 : 0;
+      if (others > kMostOthers) return false;
+    }
+  return valid > 0 && others < kFewOthers * valid;
 }
 
 LossCause image_fault(const Frame& frame, const SelectOptions& options) {

@@ -16,4 +16,8 @@ namespace edvo {
 // What an image itself lacks: kNoDepth, kNoTexture, kFewPoints, or kNone. Reads a grid of pixels.
 [[nodiscard]] LossCause image_fault(const Frame& frame, const SelectOptions& options);
 
+// Whether all depths in range, but for a few, are the same number: a frame without depth, stored as
+// if it had some. Reads a grid of pixels.
+[[nodiscard]] bool has_constant_depth(const Frame& frame, const SelectOptions& options);
+
 }  // namespace edvo

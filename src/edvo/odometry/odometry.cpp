@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/odometry.hpp"
 
+#include "edvo/odometry/loss_test.hpp"
 #include "edvo/odometry/odometry_state.hpp"
 
+#include <limits>
 #include <utility>
 
 namespace edvo {
+namespace {
+
+Frame without_depth(Frame frame) {
+  frame.depth = cv::Mat_<float>(frame.depth.size(), std::numeric_limits<float>::quiet_NaN());
+  return frame;
+}
+
+}  // namespace
 
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
-  const Frame& frame = image.frame;
+  const bool is_constant = has_constant_depth(image.frame, s.config.selection);
+  const Frame frame = is_constant ? without_depth(image.frame) : image.frame;
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};
   Stopwatch total;
@@ -39,6 +50,8 @@ FrameResult Odometry::process(const PreparedImage& image) {
     }
   }
 
+  if (is_constant && result.loss_cause == LossCause::kNoDepth)
+    result.loss_cause = LossCause::kConstantDepth;
   result.milliseconds.frame = image.milliseconds;
   result.milliseconds.total = image.milliseconds + total.lap();
   return result;

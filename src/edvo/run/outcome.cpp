@@ -14,7 +14,7 @@ std::string most_frequent_cause(const FrameCounts& counts) {
       std::max_element(counts.causes.begin(), counts.causes.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });
   if (most == counts.causes.end()) return "";
-  return fmt::format("; of {}: {}", most->second, explain(most->first));
+  return fmt::format("; {} of them because {}", most->second, explain(most->first));
 }
 
 }  // namespace
@@ -45,6 +45,8 @@ std::string explain(LossCause cause) {
       break;
     case LossCause::kNoDepth:
       return "hardly a pixel has a depth in range; is the depth scale right?";
+    case LossCause::kConstantDepth:
+      return "all depths of an image are the same: no sensor measures that";
     case LossCause::kNoTexture:
       return "hardly a pixel has a gradient";
     case LossCause::kFewPoints:
