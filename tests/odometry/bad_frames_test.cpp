@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <map>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 namespace edvo {
@@ -128,6 +129,62 @@ TEST(BadFrames, AnotherPlaceBeginsASegmentWithAGuessedPose) {
   const FrameResult back = odometry.process(room_image(16));
   EXPECT_EQ(back.status, FrameStatus::kRelocalized);
   EXPECT_EQ(back.segment, 0);
+}
+
+TEST(BadFrames, ConstantDepthIsNone) {
+  Odometry odometry(room().camera, preset(Method::kCannyCorner));
+  for (int i = 0; i < 4; ++i) {
+    RgbdImage image = room_image(i);
+    image.depth = cv::Mat_<float>(image.depth.size(), 1.5F);
+    const FrameResult result = odometry.process(image);
+    EXPECT_EQ(result.status, FrameStatus::kLost) << i;
+    EXPECT_EQ(result.loss_cause, LossCause::kConstantDepth) << i;
+  }
+  EXPECT_EQ(odometry.process(room_image(4)).status, FrameStatus::kFirst);
+}
+
+// Spots of strong texture, the same in every image.
+void paint(RgbdImage& image, const cv::Rect& where) {
+  static const cv::Mat_<cv::Vec3b> kSpots = [] {
+    cv::Mat_<cv::Vec3b> small(60, 80), spots;
+    cv::RNG random(5);
+    random.fill(small, cv::RNG::UNIFORM, 0, 256);
+    cv::resize(small, spots, {}, 4, 4);
+    return spots;
+  }();
+  cv::Mat_<cv::Vec3b> bgr = image.bgr.clone();
+  for (int y = where.y; y < where.y + where.height; ++y)
+    for (int x = where.x; x < where.x + where.width; ++x)
+      bgr(y, x) = kSpots(y % kSpots.rows, x % kSpots.cols);
+  image.bgr = bgr;
+}
+
+// Each tracked frame is within 10 cm and 5 degrees, relative to the first one of its segment.
+void expect_none_wrong(const std::function<RgbdImage(int)>& image_at) {
+  Odometry odometry(room().camera, preset(Method::kCannyCorner));
+  std::map<int, std::pair<SE3, SE3>> first;  // of each segment, estimated and true
+  int tracked = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    const FrameResult result = odometry.process(image_at(i));
+    if (result.status == FrameStatus::kLost) continue;
+    const SE3 truth = synth::pose_of(room(), i).world_from_camera;
+    const auto& [pose, true_pose] =
+        first.try_emplace(result.segment, result.world_from_camera, truth).first->second;
+    const SE3 error =
+        inverse(inverse(true_pose) * truth) * inverse(pose) * result.world_from_camera;
+    EXPECT_LT(error.translation.norm(), 0.1) << i;
+    EXPECT_LT(rotation_angle(error), 0.087) << i;
+    tracked += result.status == FrameStatus::kTracked ? 1 : 0;
+  }
+  EXPECT_GT(tracked, kFrames / 4);
+}
+
+TEST(BadFrames, DirtOnTheLensIsNotFollowed) {
+  expect_none_wrong([](int i) {
+    RgbdImage image = room_image(i);
+    paint(image, {0, 0, image.bgr.cols * 3 / 10, image.bgr.rows});
+    return image;
+  });
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ enum class LossCause {
   kOutliers,       // too few of the points in view fit
   kResiduals,      // residuals are far larger than usual, of intensity and of depth
   kTooFast,        // the motion would be faster than any camera moves
+  kTwoMotions,     // two motions explain the image, and nothing tells which is the camera's
 };
 
 // Where the time of a frame went, on whatever thread. [ms]
@@ -126,6 +127,7 @@ struct EnumNames<LossCause> {
       {LossCause::kOutliers, "outliers"},
       {LossCause::kResiduals, "residuals"},
       {LossCause::kTooFast, "too_fast"},
+      {LossCause::kTwoMotions, "two_motions"},
   });
 };
 

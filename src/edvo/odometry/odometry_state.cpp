@@ -14,6 +14,7 @@ namespace edvo {
 namespace {
 
 constexpr std::int64_t kEstablished = 5;  // tracked frames that make a segment worth coming back to
+constexpr int kMostUndecided = 15;        // frames lost to a second motion: it may pass
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -40,6 +41,8 @@ bool Odometry::State::has_tracked(int segment_id) const {
 
 bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResult& result) {
   Segment fresh{.id = segments};
+  fresh.state.usual_sigma = segment.state.usual_sigma;
+  fresh.state.lens = segment.state.lens;
   const SE3 last_good = segment.keyframe < 0 ? SE3{}
                                              : map[segment.keyframe].world_from_camera *
                                                    inverse(segment.state.alignment.cur_from_ref);
@@ -128,7 +131,9 @@ void Odometry::State::take(const Frame& frame, const AlignResult& alignment, boo
 }
 
 void Odometry::State::lose(const Frame& frame, LossCause cause, FrameResult& result) {
-  if (++lost_in_a_row > config.keyframes.max_lost_frames &&
+  if (cause == LossCause::kTwoMotions) ++segment.undecided_frames;
+  const int waiting = std::min(segment.undecided_frames, kMostUndecided);
+  if (++lost_in_a_row - waiting > config.keyframes.max_lost_frames &&
       begin(frame, KeyframeReason::kRestart, result))
     return;
   result.loss_cause = cause;
@@ -156,7 +161,8 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
                                   const SE3& world_from_camera, FrameResult& result) {
   Stopwatch watch;
   Frame frame = original;
-  frame.depth = frame.depth.undistorted();
+  frame.depth = without_cells(without_cells(frame.depth.undistorted(), target.state.lens),
+                              target.state.others);
   const cv::Mat_<std::uint8_t> edges =
       detector->detect({.gray = frame.levels.front().gray,
                         .colour = [&] { return undistort_colour(undistortion, frame.bgr); }});

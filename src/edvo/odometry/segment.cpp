@@ -9,7 +9,9 @@
 namespace edvo {
 namespace {
 
-constexpr double kUsualShare = 0.1;  // of a new frame in the usual sigma
+constexpr double kUsualShare = 0.1;      // of a new frame in the usual sigma
+constexpr double kWellExplained = 0.85;  // [0..1] of the image, see motion_judge.cpp
+constexpr int kDoubtful = 15;            // frames after a second motion
 
 using Guesses = InplaceVector<Alignment, kMostCandidates>;
 
@@ -45,6 +47,22 @@ AlignResult align_from_afar(const Segment& segment, const Frame& frame, const SE
   return best;
 }
 
+// Keyframes get no points where something moves otherwise, and what is clearly seen to be such a
+// point of the reference is left out from now on.
+void accept_motion(Segment& segment, const JudgedMotion& judged) {
+  TrackingState& state = segment.state;
+  const bool are_two = judged.verdict != MotionVerdict::kOneMotion;
+  const bool in_doubt = (are_two && !judged.is_clear) || segment.undecided_frames > 0;
+  state.doubtful_frames = in_doubt ? kDoubtful : std::max(0, state.doubtful_frames - 1);
+  segment.undecided_frames = 0;
+  state.others = judged.others;
+  if (!are_two || !judged.is_clear) return;
+  segment.reference = points_outside(segment.reference, judged.cells, CellState::kUnexplained);
+  if (!judged.is_on_lens) return;
+  for (std::size_t cell = 0; cell < kCells; ++cell)
+    state.lens[cell] = state.lens[cell] || judged.others[cell];
+}
+
 }  // namespace
 
 SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
@@ -71,7 +89,32 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
       loss = far_loss;
     }
   }
-  return {.result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
+  SegmentAlignment aligned = {
+      .result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
+  if (loss != LossCause::kNone) return aligned;
+  aligned.judged = judge_motion(result,
+                                {.reference = segment.reference,
+                                 .frame = frame,
+                                 .candidates = near,
+                                 .predicted = velocity * state.alignment.cur_from_ref,
+                                 .state = state,
+                                 .undecided_frames = segment.undecided_frames},
+                                config.tracking, scratch);
+  switch (aligned.judged.verdict) {
+    case MotionVerdict::kOneMotion:
+      break;
+    case MotionVerdict::kFirst:
+    case MotionVerdict::kSecond:
+      aligned.result = aligned.judged.camera;
+      break;
+    case MotionVerdict::kUndecided:
+      aligned.loss = LossCause::kTwoMotions;
+      break;
+    case MotionVerdict::kUnexplained:
+      aligned.loss = LossCause::kOutliers;
+      break;
+  }
+  return aligned;
 }
 
 void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignment) {
@@ -82,8 +125,12 @@ void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignm
   state.stamp = frame.stamp;
   state.alignment = result.alignment;
   state.moving_object_frames = alignment.moving_object_frames;
-  state.usual_sigma +=
-      (state.usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - state.usual_sigma);
+  accept_motion(segment, alignment.judged);
+  // Residuals of something that moves otherwise are not usual ones.
+  if (state.usual_sigma == 0 || state.doubtful_frames == 0 || result.sigma < state.usual_sigma ||
+      alignment.judged.explained > kWellExplained)
+    state.usual_sigma +=
+        (state.usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - state.usual_sigma);
   ++state.frames_since_keyframe;
   ++segment.tracked;
 }

@@ -4,6 +4,7 @@
 
 #include "edvo/map/map.hpp"
 #include "edvo/odometry/frame_result.hpp"
+#include "edvo/odometry/motion_judge.hpp"
 #include "edvo/odometry/motion_predictor.hpp"
 #include "edvo/odometry/moving_object_guard.hpp"
 #include "edvo/odometry/tracking_state.hpp"
@@ -17,6 +18,7 @@ struct Segment {
   KeyframeId keyframe = -1;  // the reference
   Reference reference;       // of that keyframe
   TrackingState state;
+  int undecided_frames = 0;  // lost since the last good one to a second motion
   MotionPredictor predictor;
   KeyframeWindow window;
 };
@@ -25,6 +27,7 @@ struct SegmentAlignment {
   AlignResult result;
   LossCause loss = LossCause::kNone;
   int moving_object_frames = 0;  // for the state, should the frame be taken
+  JudgedMotion judged;
 };
 
 // Aligns a frame to the segment's reference keyframe, from where the motion so far leads, and

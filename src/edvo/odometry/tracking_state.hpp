@@ -3,6 +3,7 @@
 // assignment, and a lost frame leaves it as it is.
 #pragma once
 
+#include "edvo/align/motion_support.hpp"
 #include "edvo/align/photometric.hpp"
 #include "edvo/core/stamp.hpp"
 
@@ -20,6 +21,9 @@ struct TrackingState {
   double keyframe_sharpness = 0;  // of the reference keyframe's image [grey levels^2]
   int frames_since_keyframe = 0;
   int moving_object_frames = 0;  // for which a second motion in the image is still expected
+  int doubtful_frames = 0;       // for which a sudden motion may be that of something else
+  CellMask others{};             // cells of the last good frame that move otherwise
+  CellMask lens{};               // cells of every frame that show what is on the lens
 };
 
 // What residuals are compared with: the usual sigma, but not that of a camera at rest, whose images

@@ -61,6 +61,8 @@ std::string explain(LossCause cause) {
       return "residuals are far larger than usual";
     case LossCause::kTooFast:
       return "the motion would be faster than any camera moves";
+    case LossCause::kTwoMotions:
+      return "two motions explain the images, and nothing tells which is the camera's";
   }
   return "no cause is known";
 }

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "edvo/align/motion_support.hpp"
+
+#include "edvo/align/warp.hpp"
+#include "edvo/simd/float8.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace edvo {
+namespace {
+
+constexpr int kLeastPoints = 3;     // of a cell, for its state
+constexpr double kExplained = 0.5;  // [0..1] of a cell's points
+
+// Column and row of the cell that a point in view projects to.
+cv::Point cell_at(const Camera& camera, const Eigen::Vector3d& point) {
+  const auto index = [](double position, int size, int cells) {
+    return std::clamp(static_cast<int>(position * cells / size), 0, cells - 1);
+  };
+  return {index(camera.fx * point.x() / point.z() + camera.cx, camera.width, kCellColumns),
+          index(camera.fy * point.y() / point.z() + camera.cy, camera.height, kCellRows)};
+}
+
+std::size_t cell_of(const Camera& camera, float x, float y, float z) {
+  const cv::Point cell = cell_at(camera, Eigen::Vector3f(x, y, z).cast<double>());
+  return static_cast<std::size_t>(cell.y * kCellColumns + cell.x);
+}
+
+void add_intensity(const ReferenceLevel& points, const std::vector<float>& residuals, float limit,
+                   MotionSupport& support) {
+  std::array<int, kCellColumns * kCellRows> seen{}, fitting{};
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (std::isnan(residuals[i])) continue;
+    const std::size_t cell = cell_of(points.camera, points.x[i], points.y[i], points.z[i]);
+    ++seen[cell];
+    fitting[cell] += std::abs(residuals[i]) < limit ? 1 : 0;
+  }
+  for (std::size_t cell = 0; cell < seen.size(); ++cell) {
+    if (seen[cell] < kLeastPoints) continue;
+    const double share = static_cast<double>(fitting[cell]) / seen[cell];
+    support.states[cell] = share < kExplained ? CellState::kUnexplained : CellState::kExplained;
+    support.intensity += share;
+    ++support.cells;
+  }
+  support.intensity /= std::max(1, support.cells);
+}
+
+void add_depth(const SurfacePoints& surface, const DepthAssociations& associations,
+               const SE3& cur_from_ref, float limit, MotionSupport& support) {
+  const Eigen::Matrix3f R = cur_from_ref.rotation.toRotationMatrix().cast<float>();
+  const Eigen::Vector3f t = cur_from_ref.translation.cast<float>();
+  int fitting = 0;
+  for (std::size_t i = 0; i < surface.x.size(); ++i) {
+    if (!(surface.z[i] > 0) || std::isnan(associations.z[i])) continue;
+    const Eigen::Vector3f x(associations.x[i], associations.y[i], associations.z[i]);
+    const Eigen::Vector3f normal(surface.nx[i], surface.ny[i], surface.nz[i]);
+    const float error = (normal.dot(R.transpose() * (x - t)) - 1.F) / surface.z[i];
+    ++support.depths;
+    fitting += std::abs(error) < limit ? 1 : 0;
+  }
+  support.depth = static_cast<double>(fitting) / std::max(1, support.depths);
+}
+
+// Those of the kept points, padded again.
+void keep(const std::vector<std::size_t>& kept, std::vector<float>& array) {
+  std::vector<float> values(simd::padded(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = array[kept[i]];
+  array = std::move(values);
+}
+
+// The points in those cells for which the predicate holds.
+template <typename Predicate>
+Reference points_where(const Reference& reference, const Predicate& holds) {
+  Reference part = reference;
+  std::vector<std::size_t> kept;
+  for (ReferenceLevel& level : part.levels) {
+    if (level.count == 0) continue;
+    kept.clear();
+    for (std::size_t i = 0; i < level.count; ++i)
+      if (holds(cell_of(level.camera, level.x[i], level.y[i], level.z[i]))) kept.push_back(i);
+    for (std::vector<float>* array :
+         {&level.x, &level.y, &level.z, &level.intensity, &level.weight})
+      keep(kept, *array);
+    for (std::vector<float>& array : level.jacobian) keep(kept, array);
+    level.count = kept.size();
+  }
+  SurfacePoints& surface = part.surface;
+  const Camera& camera = part.levels.front().camera;
+  kept.clear();
+  for (std::size_t i = 0; i < surface.x.size(); ++i)
+    if (surface.z[i] > 0 && holds(cell_of(camera, surface.x[i], surface.y[i], surface.z[i])))
+      kept.push_back(i);
+  for (std::vector<float>* array :
+       {&surface.x, &surface.y, &surface.z, &surface.nx, &surface.ny, &surface.nz})
+    keep(kept, *array);
+  return part;
+}
+
+}  // namespace
+
+MotionSupport motion_support(const Reference& reference, const Frame& frame, int level,
+                             const Alignment& alignment, const SupportLimits& limits,
+                             AlignScratch& scratch) {
+  const auto l = static_cast<std::size_t>(level);
+  MotionSupport support;
+  photometric_residuals(reference.levels[l], frame.levels[l], alignment, scratch.residuals);
+  add_intensity(reference.levels[l], scratch.residuals, limits.intensity, support);
+  associate_depth(reference.surface, frame.levels.front().camera, frame.depth,
+                  alignment.cur_from_ref, scratch.associations);
+  add_depth(reference.surface, scratch.associations, alignment.cur_from_ref, limits.depth, support);
+  return support;
+}
+
+Reference points_in(const Reference& reference, const CellStates& states, CellState state) {
+  return points_where(reference, [&](std::size_t cell) { return states[cell] == state; });
+}
+
+Reference points_outside(const Reference& reference, const CellStates& states, CellState state) {
+  return points_where(reference, [&](std::size_t cell) { return states[cell] != state; });
+}
+
+CellMask moved_cells(const ReferenceLevel& points, const CellStates& states, CellState state,
+                     const SE3& cur_from_ref) {
+  const Camera& camera = points.camera;
+  CellMask mask{};
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (states[cell_of(camera, points.x[i], points.y[i], points.z[i])] != state) continue;
+    const Eigen::Vector3d moved =
+        cur_from_ref * Eigen::Vector3f(points.x[i], points.y[i], points.z[i]).cast<double>();
+    if (moved.z() < static_cast<double>(kNearest)) continue;
+    const double u = camera.fx * moved.x() / moved.z() + camera.cx;
+    const double v = camera.fy * moved.y() / moved.z() + camera.cy;
+    if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;
+    const cv::Point middle = cell_at(camera, moved);
+    for (int y = std::max(0, middle.y - 1); y <= std::min(kCellRows - 1, middle.y + 1); ++y)
+      for (int x = std::max(0, middle.x - 1); x <= std::min(kCellColumns - 1, middle.x + 1); ++x)
+        mask[static_cast<std::size_t>(y * kCellColumns + x)] = true;
+  }
+  return mask;
+}
+
+cv::Mat_<float> without_cells(const cv::Mat_<float>& depth, const CellMask& mask) {
+  if (std::ranges::count(mask, true) == 0) return depth;
+  cv::Mat_<float> rest = depth.clone();
+  for (int row = 0; row < kCellRows; ++row)
+    for (int column = 0; column < kCellColumns; ++column) {
+      if (!mask[static_cast<std::size_t>(row * kCellColumns + column)]) continue;
+      const int left = column * depth.cols / kCellColumns, top = row * depth.rows / kCellRows;
+      const int right = (column + 1) * depth.cols / kCellColumns;
+      const int bottom = (row + 1) * depth.rows / kCellRows;
+      rest(cv::Rect(left, top, right - left, bottom - top))
+          .setTo(std::numeric_limits<float>::quiet_NaN());
+    }
+  return rest;
+}
+
+}  // namespace edvo

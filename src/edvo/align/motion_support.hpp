@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// How much of an image a motion explains, by area: an object with much texture counts for no more
+// than the part of the image that it covers.
+#pragma once
+
+#include "edvo/align/align.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace edvo {
+
+// An image in cells.
+constexpr int kCellColumns = 16, kCellRows = 12;
+constexpr std::size_t kCells = kCellColumns * kCellRows;
+
+enum class CellState : std::uint8_t { kEmpty, kExplained, kUnexplained };
+
+using CellStates = std::array<CellState, kCells>;
+using CellMask = std::array<bool, kCells>;
+
+struct SupportLimits {
+  float intensity = 0;  // [grey levels] largest residual that fits
+  float depth = 0;      // [1 / m] largest error of inverse depth that fits
+};
+
+// All of the reference image's cells, in which its points lie.
+struct MotionSupport {
+  double intensity = 0;  // [0..1] fitting points, mean over cells with points in view
+  double depth = 0;      // [0..1] fitting points of the surface, of those that were measured
+  int cells = 0;         // with points in view
+  int depths = 0;        // points of the surface that were measured
+  CellStates states{};   // by intensity
+};
+
+[[nodiscard]] MotionSupport motion_support(const Reference& reference, const Frame& frame,
+                                           int level, const Alignment& alignment,
+                                           const SupportLimits& limits, AlignScratch& scratch);
+
+// The reference's points in cells of this state, and those in all others.
+[[nodiscard]] Reference points_in(const Reference& reference, const CellStates& states,
+                                  CellState state);
+[[nodiscard]] Reference points_outside(const Reference& reference, const CellStates& states,
+                                       CellState state);
+
+// The cells of a frame that the reference's points of a level in cells of this state move to, with
+// their neighbours.
+[[nodiscard]] CellMask moved_cells(const ReferenceLevel& points, const CellStates& states,
+                                   CellState state, const SE3& cur_from_ref);
+
+// The same depth image, but with none in masked cells.
+[[nodiscard]] cv::Mat_<float> without_cells(const cv::Mat_<float>& depth, const CellMask& mask);
+
+}  // namespace edvo

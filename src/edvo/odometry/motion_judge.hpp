@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Whether the motion that a frame was aligned by is the camera's. Something large that moves on its
+// own, or dirt on the lens, is aligned to as well as the scene is, or better if it has more
+// texture.
+#pragma once
+
+#include "edvo/align/motion_support.hpp"
+#include "edvo/odometry/motion_predictor.hpp"
+#include "edvo/odometry/tracking_state.hpp"
+
+namespace edvo {
+
+enum class MotionVerdict {
+  kOneMotion,    // nothing speaks against it
+  kFirst,        // there are two; the first is the camera's
+  kSecond,       // there are two; the second is
+  kUndecided,    // there are two, and nothing tells which is the camera's
+  kUnexplained,  // too little of the image is explained, and by nothing else
+};
+
+struct JudgedMotion {
+  MotionVerdict verdict = MotionVerdict::kOneMotion;
+  AlignResult camera;       // alignment of the camera's motion, if decided
+  double explained = 1;     // [0..1] of the image's area, by the first
+  CellStates cells{};       // of the reference, by the camera's motion; if there are two
+  CellMask others{};        // cells of the frame in which the other motion is; if decided
+  bool is_clear = false;    // decided beyond doubt
+  bool is_on_lens = false;  // what moves otherwise stays where it is in the image
+};
+
+// What a frame's motion is judged by.
+struct MotionEvidence {
+  const Reference& reference;
+  const Frame& frame;
+  const MotionCandidates& candidates;  // current_from_last, where a second motion may be found
+  SE3 predicted;                       // cur_from_ref, at constant velocity
+  const TrackingState& state;
+  int undecided_frames = 0;  // lost since the last good frame because nothing was decided
+};
+
+[[nodiscard]] JudgedMotion judge_motion(const AlignResult& first, const MotionEvidence& evidence,
+                                        const AlignOptions& options, AlignScratch& scratch);
+
+}  // namespace edvo
