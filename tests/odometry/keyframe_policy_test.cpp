@@ -54,6 +54,19 @@ TEST(KeyframePolicy, ASharperFrameIsDueOnlyIfItFitsBadly) {
   EXPECT_EQ(policy.due(bad, blurred, kState), std::nullopt);
 }
 
+TEST(KeyframePolicy, HalfThePeriodIsEnoughWhereFramesFitWorseUnlessSomethingMoves) {
+  const KeyframePolicy policy(kOptions);
+  TrackingState half = kState;
+  half.frames_since_keyframe = kOptions.period / 2;
+  half.keyframe_sigma = 2;
+  EXPECT_EQ(policy.due(good(), {}, half), KeyframeReason::kPeriod);
+  half.doubtful_frames = 1;
+  EXPECT_EQ(policy.due(good(), {}, half), std::nullopt);
+  half.doubtful_frames = 0;
+  half.keyframe_sigma = good().sigma;
+  EXPECT_EQ(policy.due(good(), {}, half), std::nullopt);
+}
+
 TEST(KeyframePolicy, PeriodZeroIsNever) {
   TrackingState old = kState;
   old.frames_since_keyframe = 1000;

@@ -22,9 +22,9 @@ constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 // Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
 // as much as one that is independent (measured, docs/evaluation.md).
 constexpr double kInformationScale = 10.0;
-// Times what its sigma says: its weight beside the residuals was chosen when the number above was
-// 40. Tracking is as it was.
-constexpr double kPriorWeight = 4.0;
+// Times what its sigma says. 4 turns the camera where it moves aside, if only the middle of the
+// image has depth (docs/experiments/0010-few-points.md).
+constexpr double kPriorWeight = 2.0;
 
 // xi, gain, bias / kIntensityUnit.
 using System = LinearSystem<8>;

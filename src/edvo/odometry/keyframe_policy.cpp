@@ -4,8 +4,9 @@
 namespace edvo {
 namespace {
 
-constexpr double kGrown = 1.75;   // times the usual sigma: the keyframe explains little
-constexpr double kPoorFit = 1.5;  // times the usual sigma: a blurred keyframe may be why
+constexpr double kGrown = 1.75;    // times the usual sigma: the keyframe explains little
+constexpr double kWorseFit = 1.5;  // times the least sigma since the keyframe
+constexpr double kPoorFit = 1.5;   // times the usual sigma: a blurred keyframe may be why
 
 // A keyframe taken in motion is blurred; a sharp frame then fits badly, and worse the sharper it
 // is, however little it has moved: the pose may drift by centimetres while the camera stands still.
@@ -21,12 +22,21 @@ bool explains_little(const AlignResult& result, const TrackingState& state) {
   return state.moving_object_frames > 0 && result.sigma > kGrown * sigma_baseline(state);
 }
 
+// Half the period is enough where frames fit worse than they did: the view has changed, though the
+// camera has neither turned nor gone far. But not where something else moves: it hides the view.
+bool is_due_by_period(const AlignResult& result, const TrackingState& state, int period) {
+  if (period == 0) return false;
+  const bool one_motion = state.moving_object_frames == 0 && state.doubtful_frames == 0;
+  const bool fits_worse =
+      one_motion && state.keyframe_sigma > 0 && result.sigma > kWorseFit * state.keyframe_sigma;
+  return state.frames_since_keyframe >= (fits_worse ? (period + 1) / 2 : period);
+}
+
 }  // namespace
 
 std::optional<KeyframeReason> KeyframePolicy::due(const AlignResult& result, const Frame& frame,
                                                   const TrackingState& state) const {
-  if (options_.period > 0 && state.frames_since_keyframe >= options_.period)
-    return KeyframeReason::kPeriod;
+  if (is_due_by_period(result, state, options_.period)) return KeyframeReason::kPeriod;
   const SE3& motion = result.alignment.cur_from_ref;
   if (motion.translation.norm() > options_.translation ||
       rotation_angle(motion) > options_.rotation)

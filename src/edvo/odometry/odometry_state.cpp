@@ -193,6 +193,7 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
   target.state.alignment = {};
   target.state.keyframe_sharpness = frame.sharpness;
   target.state.frames_since_keyframe = 0;
+  target.state.keyframe_sigma = 0;
   keyframe_frame = std::move(frame);
   keyframe_pixels = std::move(pixels);
   return true;

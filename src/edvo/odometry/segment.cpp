@@ -131,6 +131,8 @@ void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignm
       alignment.judged.explained > kWellExplained)
     state.usual_sigma +=
         (state.usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - state.usual_sigma);
+  state.keyframe_sigma =
+      state.keyframe_sigma > 0 ? std::min(state.keyframe_sigma, result.sigma) : result.sigma;
   ++state.frames_since_keyframe;
   ++segment.tracked;
 }

@@ -20,6 +20,7 @@ struct TrackingState {
   double usual_sigma = 0;         // of tracked frames' residuals, 0 = none yet [grey levels]
   double keyframe_sharpness = 0;  // of the reference keyframe's image [grey levels^2]
   int frames_since_keyframe = 0;
+  double keyframe_sigma = 0;     // least sigma of the frames since then, 0 = none [grey levels]
   int moving_object_frames = 0;  // for which a second motion in the image is still expected
   int doubtful_frames = 0;       // for which a sudden motion may be that of something else
   CellMask others{};             // cells of the last good frame that move otherwise
