@@ -9,7 +9,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <random>
 
 namespace edvo {
 namespace {
@@ -112,14 +116,24 @@ TEST(Reference, HoldsThePointsThatLieInsideEachLevel) {
   }
 }
 
-TEST(Photometric, CostAloneIsThatOfTheSums) {
-  const Frame key = plane_frame({}), current = plane_frame(motion(0.01, 0.02, -0.01, 0, 0, 0.01));
+TEST(Photometric, CostIsTheWeightedSumOfLossesAndOfTheOutsideOnes) {
+  const Frame key = plane_frame({}), current = plane_frame(motion(0.1, 0.02, -0.01, 0, 0, 0.01));
   const Reference reference = make_reference(key, grid_pixels(key, 9), {});
+  const ReferenceLevel& points = reference.levels[0];
   std::vector<float> residuals;
-  photometric_residuals(reference.levels[0], current.levels[0], {}, residuals);
-  for (const Loss loss : {Loss::kHuber, Loss::kStudent, Loss::kTukey})
-    EXPECT_EQ(photometric_cost(reference.levels[0], residuals, 4.F, loss, 2.F),
-              sum_photometric(reference.levels[0], residuals, 1.1, 4.F, loss, 2.F).cost);
+  photometric_residuals(points, current.levels[0], {}, residuals);
+  residuals[3] = std::numeric_limits<float>::quiet_NaN();  // out of view
+  constexpr float kSigma = 4, kParameter = 2;
+  for (const Loss loss : {Loss::kHuber, Loss::kStudent, Loss::kTukey}) {
+    double expected = 0;
+    for (std::size_t i = 0; i < points.count; ++i) {
+      const float r = std::isnan(residuals[i]) ? kInlierSigmas : residuals[i] / kSigma;
+      expected += static_cast<double>(points.weight[i] * robust(loss, kParameter, r).cost);
+    }
+    const double alone = photometric_cost(points, residuals, kSigma, loss, kParameter);
+    EXPECT_NEAR(alone, expected, 1e-5 * expected) << name_of(loss);
+    EXPECT_EQ(alone, sum_photometric(points, residuals, 1.1, kSigma, loss, kParameter).cost);
+  }
 }
 
 TEST(Robust, WeightIsTheDerivativeOfTheCostOverTheResidual) {
@@ -132,13 +146,14 @@ TEST(Robust, WeightIsTheDerivativeOfTheCostOverTheResidual) {
 }
 
 TEST(Robust, SigmaOfNormalResidualsIsTheirDeviation) {
-  std::vector<float> residuals;
-  for (int i = 1; i < 1000; ++i)
-    residuals.push_back(5.F * static_cast<float>(std::tan((i - 500) * 0.0005)));
-  std::vector<float> with_outliers = residuals;
-  with_outliers.insert(with_outliers.end(), 100, 1e6F);
-  const float sigma = mad_sigma(residuals);
-  EXPECT_NEAR(mad_sigma(with_outliers), sigma, 0.25F * sigma);
+  constexpr float kDeviation = 5;
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal(0, kDeviation);
+  std::vector<float> residuals(20000);
+  std::ranges::generate(residuals, [&] { return normal(random); });
+  EXPECT_NEAR(mad_sigma(residuals), kDeviation, 0.02F * kDeviation);
+  residuals.insert(residuals.end(), 2000, 1e6F);
+  EXPECT_NEAR(mad_sigma(residuals), kDeviation, 0.2F * kDeviation);
 }
 
 TEST(Robust, SigmaIsTheMedianOfSizesWhateverTheirSignsAndLeavesNanOut) {
@@ -204,14 +219,17 @@ TEST(Tracker, EstimatesGainAndBias) {
               NearPose(inverse(motion(0.02, 0, 0, 0, 0.01, 0)), 2e-3));
 }
 
+// As much texture as the wall has, and depth, but nothing of the wall's.
 TEST(Tracker, SaysLostOnAnUnrelatedImage) {
   const Frame key = plane_frame({});
   const Reference reference = make_reference(key, grid_pixels(key, 9), {});
-  Frame black = key;
-  for (Level& level : black.levels)
-    level.gray = cv::Mat_<std::uint8_t>(level.gray.size(), std::uint8_t{0});
-  black.depth = cv::Mat_<float>(key.depth.size(), std::numeric_limits<float>::quiet_NaN());
-  const AlignResult result = align(reference, black, {}, {.brightness = false});
+  RgbdImage other = test::render_plane(kPlane, kVgaCamera, {});
+  cv::RNG random(3);
+  cv::Mat_<cv::Vec3b> spots(24, 32);
+  random.fill(spots, cv::RNG::UNIFORM, 0, 256);
+  cv::resize(spots, other.bgr, other.bgr.size(), 0, 0, cv::INTER_CUBIC);
+  const AlignResult result =
+      align(reference, make_frame(other, make_undistortion({kVgaCamera, {}})), {}, {});
   EXPECT_EQ(result.status, AlignStatus::kLost);
   EXPECT_TRUE(is_finite(result.alignment.cur_from_ref));
 }
