@@ -69,6 +69,18 @@ def write(folder, frames, camera, truth):
     shutil.copy(truth, folder / "groundtruth.txt")
 
 
+def joined_truth(own, others, last, joined):
+    """Ground truth lines: own up to the stamp `last`, then those of another sequence's frames, at
+    the stamps that these have now. All of fr1 was recorded in one frame of reference."""
+    lines = [line for line in own.read_text().splitlines()
+             if line[:1] != "#" and float(line.split()[0]) <= float(last)]
+    poses = np.loadtxt(others)
+    for stamp, was in joined:
+        nearest = int(np.argmin(abs(poses[:, 0] - float(was))))
+        lines.append(" ".join([stamp, *(f"{value:.6f}" for value in poses[nearest, 1:8])]))
+    return "\n".join(lines) + "\n"
+
+
 def replaced(frames, begin, end, change):
     return [change(i, frame) if begin <= i < end else frame for i, frame in enumerate(frames)]
 
@@ -127,8 +139,13 @@ def generate(data, icl, out):
             foreign = [load(pair) for pair in other[at:at + 21]]
             joined = [load(pair) for pair in other[100:125]]
             for kind, frames in faults(base, foreign, joined, random):
-                write(out / f"{name}{start}.{kind}", frames, ICL if name == "icl" else FR1,
-                      folder / "groundtruth.txt")
+                clip = out / f"{name}{start}.{kind}"
+                write(clip, frames, ICL if name == "icl" else FR1, folder / "groundtruth.txt")
+                if kind == "joined":
+                    stamps = zip([f[0] for f in frames[25:]], [f[0] for f in joined])
+                    (clip / "groundtruth.txt").write_text(joined_truth(
+                        folder / "groundtruth.txt", folders[OTHER[name]] / "groundtruth.txt",
+                        frames[24][0], stamps))
 
 
 def matrix(numbers):
@@ -160,7 +177,8 @@ def evaluate(edvo, folder):
         if frame["status"] in ("lost", "skipped"):
             lost += 1
             continue
-        if is_planted(kind, frame["index"]) or (kind == "joined" and frame["segment"] > 0):
+        other_camera = kind == "joined" and folder.name.startswith("icl")
+        if is_planted(kind, frame["index"]) or (other_camera and frame["segment"] > 0):
             continue
         nearest = int(np.argmin(abs(truth[:, 0] - float(frame["stamp"]))))
         true = np.eye(4) if kind.startswith("still") else matrix(truth[nearest, 1:8])
