@@ -4,6 +4,7 @@
 
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
+#include "edvo/slam/slam.hpp"
 #include "interrupt.hpp"
 #include "observers.hpp"
 #include "source.hpp"
@@ -34,7 +35,6 @@ struct RunChoice {
 RunOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const RunChoice& choice) {
   const Config config = config_of(choice.method, choice.changes);
   const DistortedCamera camera = source.info().camera;
-  Odometry odometry(camera, config, detector_of(config, camera));
   Observers observers;
   std::optional<Recorder> recorder;
   if (choice.output) {
@@ -45,8 +45,14 @@ RunOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const Run
   }
   observers.push_back(&watchers);
   const Interrupt interrupt;
-  return run(source, odometry, observers,
-             {.threads = choice.threads, .should_stop = Interrupt::requested});
+  const auto run_with = [&](auto tracker) {
+    return run(source, tracker, observers,
+               {.threads = choice.threads, .should_stop = Interrupt::requested});
+  };
+  // As `edvo run`: loops need the window's keyframes.
+  if (config.window.keyframes > 0)
+    return run_with(Slam(camera, config, {}, detector_of(config, camera)));
+  return run_with(Odometry(camera, config, detector_of(config, camera)));
 }
 
 nb::dict run_source(const nb::object& source, const nb::list& observers, const RunChoice& choice,
