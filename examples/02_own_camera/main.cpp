@@ -13,6 +13,7 @@ constexpr int kFrames = 20;
 constexpr double kStep = 0.01;           // to the right, per frame [m]
 constexpr double kWall = 2.0;            // distance of the wall [m]
 constexpr double kUnitsPerMetre = 1000;  // what the sensor counts depth in
+constexpr double kNoise = 2;             // standard deviation of depth [mm]
 
 // Stands for the driver of a sensor: colour, and depth in millimetres, 0 = none.
 struct FakeSensor {
@@ -33,8 +34,12 @@ struct FakeSensor {
     return image;
   }
 
-  cv::Mat depth(int /*frame*/) const {
-    return {camera.height, camera.width, CV_16U, cv::Scalar(kWall * kUnitsPerMetre)};
+  // With some noise, as sensors have: depth that is one number everywhere is taken for a
+  // placeholder.
+  cv::Mat depth(int frame) const {
+    cv::Mat image(camera.height, camera.width, CV_16U);
+    cv::RNG(frame + 1U).fill(image, cv::RNG::NORMAL, kWall * kUnitsPerMetre, kNoise);
+    return image;
   }
 };
 
