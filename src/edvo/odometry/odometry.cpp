@@ -20,7 +20,8 @@ Frame without_depth(Frame frame) {
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  const Frame frame = is_constant ? without_depth(image.frame) : image.frame;
+  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();
+  const Frame& frame = is_constant ? emptied : image.frame;
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};
   Stopwatch total;
