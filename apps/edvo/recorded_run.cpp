@@ -91,8 +91,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   const RunOptions options{
       .threads = flags.threads, .should_stop = stop_requested, .ground_truth = truth};
   const auto run_with = [&](auto&& tracker) { return run(source, tracker, observers, options); };
-  // Methods without a window are the paper's baselines, which have no back end either.
-  const bool with_loops = !flags.no_loops && config.window.keyframes > 0;
+  const bool with_loops = !flags.no_loops && has_back_end(config);
   const RunOutcome outcome =
       with_loops ? run_with(Slam(description.camera, config, {}, std::move(detector)))
                  : run_with(Odometry(description.camera, config, std::move(detector)));

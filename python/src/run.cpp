@@ -49,9 +49,7 @@ RunOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const Run
     return run(source, tracker, observers,
                {.threads = choice.threads, .should_stop = Interrupt::requested});
   };
-  // As `edvo run`: loops need the window's keyframes.
-  if (config.window.keyframes > 0)
-    return run_with(Slam(camera, config, {}, detector_of(config, camera)));
+  if (has_back_end(config)) return run_with(Slam(camera, config, {}, detector_of(config, camera)));
   return run_with(Odometry(camera, config, detector_of(config, camera)));
 }
 

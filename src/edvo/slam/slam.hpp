@@ -17,6 +17,12 @@ struct SlamConfig {
   LinkOptions links;
 };
 
+// Whether there is anything that Slam could join: methods without a window of keyframes are the
+// paper's baselines, which have no back end.
+[[nodiscard]] inline bool has_back_end(const Config& config) {
+  return config.window.keyframes > 0;
+}
+
 // While images come it is the odometry. finish() looks for keyframes of the same place, in whatever
 // segment, verifies them, joins segments, closes loops, and has all keyframes refined together.
 class Slam {
