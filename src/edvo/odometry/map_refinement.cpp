@@ -11,7 +11,7 @@
 namespace edvo {
 
 // At most as many keyframes as a window has candidates are kept, first all and then every second.
-void Odometry::State::leave(Segment&& old) {
+void Odometry::State::archive_segment(Segment&& old) {
   std::vector<WindowKeyframe>& keyframes = old.window.keyframes();
   archive.insert(archive.end(), std::make_move_iterator(keyframes.begin()),
                  std::make_move_iterator(keyframes.end()));
@@ -29,7 +29,7 @@ std::vector<WindowKeyframe*> Odometry::State::all_keyframes() {
   };
   add(archive);
   add(segment.window.keyframes());
-  if (left) add(left->window.keyframes());
+  if (left_segment) add(left_segment->window.keyframes());
   std::sort(all.begin(), all.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
   return all;
 }
@@ -42,7 +42,7 @@ void Odometry::State::correct(std::span<const MapKeyframe> keyframes) {
   for (WindowKeyframe* const key : all_keyframes())
     key->world_from_key = map[key->id].world_from_camera;
   if (segment.keyframe >= 0) segment.id = map[segment.keyframe].segment;
-  if (left) left->id = map[left->keyframe].segment;
+  if (left_segment) left_segment->id = map[left_segment->keyframe].segment;
 }
 
 // Keyframes whose images were dropped follow the one before them.

@@ -17,37 +17,42 @@ Frame without_depth(Frame frame) {
 
 }  // namespace
 
+// Refinement comes before the pose is recorded: the world pose reported is the refined keyframe's
+// times the frame's motion from it.
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();
+  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();  // it tells nothing
   const Frame& frame = is_constant ? emptied : image.frame;
   s.require_newer(frame.stamp);
-  FrameResult result{.index = s.images++, .stamp = frame.stamp};
+  FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
   Stopwatch total;
 
   if (s.segment.keyframe < 0) {
-    s.begin(frame, KeyframeReason::kFirst, result);
+    // Where too little of the frame can be tracked it is lost, and the next frame tries again.
+    s.begin_segment(frame, KeyframeReason::kFirst, result);
   } else {
-    // Align to the reference keyframe; where that fails, to the segment that was left before.
+    // Align to the reference keyframe, from predicted motions and if need be from far ones. If that
+    // fails, try the segment left last; where it fits, s.segment and alignment are that one's.
     Stopwatch watch;
     SegmentAlignment alignment = align_in(s.segment, frame, s.config, s.guard, s.scratch);
     const bool relocalized = alignment.loss != LossCause::kNone && s.relocalize(frame, alignment);
     result.milliseconds.tracking = watch.lap();
 
-    // Refine the keyframe before: what a keyframe costs is shared by the frames after it.
-    s.refine();
+    // A few steps of the window, for a lost frame too: frames after a keyframe share its cost.
+    s.refine_window();
     result.milliseconds.window = watch.lap();
 
     describe(alignment.result, result);
     if (alignment.loss != LossCause::kNone) {
-      s.lose(frame, alignment.loss, result);
+      s.lose_or_restart(frame, alignment.loss, result);
     } else {
-      accept(s.segment, frame, alignment);
-      s.take(frame, alignment.result, relocalized, result);
+      update_tracking_state(s.segment, frame, alignment);
+      s.record_tracked(frame, alignment.result, relocalized, result);
+      // May fail for want of points: the frame stays tracked, and the next one is asked again.
       if (const auto reason = s.policy.due(alignment.result, frame, s.segment.state))
         (void)s.insert_keyframe(frame, *reason, result);
-      s.segment.predictor.update(frame, s.config);
+      s.segment.predictor.update(frame, s.config);  // the next guesses start from here
     }
   }
 
@@ -71,8 +76,9 @@ PreparedImage Odometry::prepare(const RgbdImage& image) const {
   return prepared;
 }
 
+// Only the present segment's window: that of one left keeps what is still to refine in it.
 void Odometry::settle() {
-  while (state_->refine()) {
+  while (state_->refine_window()) {
   }
 }
 
@@ -96,6 +102,7 @@ Trajectory Odometry::trajectory() const {
   all.reserve(state_->links.size());
   for (const FrameLink& link : state_->links) {
     const MapKeyframe& key = state_->map[link.keyframe];
+    // A segment in which nothing was tracked is one guessed pose.
     if (link.is_guess && !state_->has_tracked(key.segment)) continue;
     all.push_back({.stamp = link.stamp,
                    .world_from_camera = state_->world_from_camera(link),

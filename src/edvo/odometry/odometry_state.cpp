@@ -29,17 +29,19 @@ Odometry::State::State(const Config& options, Undistortion map_of_pixels)
       guard(options.tracking) {}
 
 void Odometry::State::require_newer(const Stamp& stamp) {
-  if (newest && stamp <= *newest)
+  if (newest_stamp && stamp <= *newest_stamp)
     throw Error(ErrorCode::kInput, "image " + to_string(stamp) +
-                                       ": not later than the one before, " + to_string(*newest));
-  newest = stamp;
+                                       ": not later than the one before, " +
+                                       to_string(*newest_stamp));
+  newest_stamp = stamp;
 }
 
 bool Odometry::State::has_tracked(int segment_id) const {
-  return std::binary_search(with_tracked.begin(), with_tracked.end(), segment_id);
+  return std::binary_search(tracked_segments.begin(), tracked_segments.end(), segment_id);
 }
 
-bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResult& result) {
+bool Odometry::State::begin_segment(const Frame& frame, KeyframeReason reason,
+                                    FrameResult& result) {
   Segment fresh{.id = segments};
   fresh.state.usual_sigma = segment.state.usual_sigma;
   fresh.state.lens = segment.state.lens;
@@ -53,10 +55,10 @@ bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResu
     return false;
   }
   if (segment.tracked >= kEstablished) {
-    if (left) leave(std::move(*left));
-    left = std::move(segment);
+    if (left_segment) archive_segment(std::move(*left_segment));
+    left_segment = std::move(segment);
   } else {
-    leave(std::move(segment));
+    archive_segment(std::move(segment));
   }
   segment = std::move(fresh);
   ++segments;
@@ -71,27 +73,27 @@ bool Odometry::State::begin(const Frame& frame, KeyframeReason reason, FrameResu
   result.information = kExactInformation * Matrix6d::Identity();
   result.world_from_camera = last_good;
   result.loss_cause = LossCause::kNone;
-  if (first) with_tracked.push_back(segment.id);
+  if (first) tracked_segments.push_back(segment.id);
   links.push_back({.stamp = frame.stamp, .keyframe = segment.keyframe, .is_guess = !first});
   segment.predictor.update(frame, config);
   return true;
 }
 
 bool Odometry::State::relocalize(const Frame& frame, SegmentAlignment& alignment) {
-  if (!left) return false;
-  SegmentAlignment other = align_in(*left, frame, config, guard, scratch);
+  if (!left_segment) return false;
+  SegmentAlignment other = align_in(*left_segment, frame, config, guard, scratch);
   if (other.loss != LossCause::kNone) return false;
   if (segment.tracked >= kEstablished) {
-    std::swap(segment, *left);
+    std::swap(segment, *left_segment);
   } else {
-    leave(std::move(segment));
-    segment = *std::exchange(left, std::nullopt);
+    archive_segment(std::move(segment));
+    segment = *std::exchange(left_segment, std::nullopt);
   }
   alignment = std::move(other);
   return true;
 }
 
-bool Odometry::State::refine() {
+bool Odometry::State::refine_window() {
   const bool more = segment.window.refine(undistortion.camera, config.window);
   for (const auto& [id, world_from_camera] : segment.window.refined())
     map.set_pose(id, world_from_camera);
@@ -114,11 +116,11 @@ SE3 Odometry::State::world_from_camera(const FrameLink& link) const {
          exp(std::clamp(share, 0.0, 1.0) * log(inverse(successor.keyframe_from_this) * refined));
 }
 
-void Odometry::State::take(const Frame& frame, const AlignResult& alignment, bool relocalized,
-                           FrameResult& result) {
+void Odometry::State::record_tracked(const Frame& frame, const AlignResult& alignment,
+                                     bool relocalized, FrameResult& result) {
   lost_in_a_row = 0;
   if (!has_tracked(segment.id))
-    with_tracked.insert(std::ranges::upper_bound(with_tracked, segment.id), segment.id);
+    tracked_segments.insert(std::ranges::upper_bound(tracked_segments, segment.id), segment.id);
   result.status = relocalized ? FrameStatus::kRelocalized : FrameStatus::kTracked;
   result.segment = segment.id;
   result.keyframe = segment.keyframe;
@@ -130,11 +132,11 @@ void Odometry::State::take(const Frame& frame, const AlignResult& alignment, boo
                    .keyframe_from_camera = result.keyframe_from_camera});
 }
 
-void Odometry::State::lose(const Frame& frame, LossCause cause, FrameResult& result) {
+void Odometry::State::lose_or_restart(const Frame& frame, LossCause cause, FrameResult& result) {
   if (cause == LossCause::kTwoMotions) ++segment.undecided_frames;
   const int waiting = std::min(segment.undecided_frames, kMostUndecided);
   if (++lost_in_a_row - waiting > config.keyframes.max_lost_frames &&
-      begin(frame, KeyframeReason::kRestart, result))
+      begin_segment(frame, KeyframeReason::kRestart, result))
     return;
   result.loss_cause = cause;
   result.segment = segment.id;
@@ -155,8 +157,8 @@ bool Odometry::State::insert_keyframe(const Frame& frame, KeyframeReason reason,
   return true;
 }
 
-// Of all frames keyframes alone have their depth undistorted as a whole. Nothing of the target
-// changes before it is certain that the keyframe can be made.
+// Only keyframes have their whole depth image undistorted; other frames undistort depth where it is
+// read. target stays unchanged until it is certain that the keyframe can be made.
 bool Odometry::State::insert_into(Segment& target, const Frame& original,
                                   const SE3& world_from_camera, FrameResult& result) {
   Stopwatch watch;

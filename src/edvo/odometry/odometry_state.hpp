@@ -26,7 +26,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// The pose of a frame hangs on its keyframe's.
+// A frame's pose, stored relative to its keyframe: when the keyframe moves, the frame follows.
 struct FrameLink {
   Stamp stamp;
   KeyframeId keyframe = -1;
@@ -51,25 +51,28 @@ struct Odometry::State {
   AlignScratch scratch;
 
   Map map;
-  Segment segment;                      // in which frames are tracked
-  std::optional<Segment> left;          // the last long one that was left, to come back to
-  std::vector<WindowKeyframe> archive;  // of segments that are left for good
-  std::vector<FrameLink> links;         // of all frames with a pose
+  Segment segment;  // the present one; its keyframe is -1 before the first frame
+  // The last one that was left and had a few tracked frames: the only one relocalize() tries.
+  std::optional<Segment> left_segment;
+  std::vector<WindowKeyframe> archive;  // of segments that nothing comes back to, for finish()
+  std::vector<FrameLink> links;         // one per frame that was not lost
   std::vector<Successor> successors;    // of all keyframes, by id
-  std::vector<int> with_tracked;        // segments in which a frame was tracked, ascending
-  std::optional<Stamp> newest;          // of all images
-  std::int64_t images = 0;
-  int lost_in_a_row = 0;  // frames
-  int segments = 0;       // begun so far
-  Frame keyframe_frame;   // of the newest keyframe, and its points
+  std::vector<int> tracked_segments;    // ids of segments in which a frame was tracked, ascending
+  std::optional<Stamp> newest_stamp;    // of all images, lost ones too
+  std::int64_t images = 0;              // so far
+  int lost_in_a_row = 0;                // frames
+  int segments = 0;                     // begun so far
+  // What newest_keyframe() makes its images and points from.
+  Frame keyframe_frame;
   std::vector<SelectedPixel> keyframe_pixels;
 
   void require_newer(const Stamp& stamp);
   [[nodiscard]] bool has_tracked(int segment_id) const;
   [[nodiscard]] KeyframePtr newest_keyframe() const;
 
-  // Refines the window by some steps; false if nothing is left to do.
-  bool refine();
+  // Refines the present segment's window by a few steps and writes its keyframes' poses to the map;
+  // false if nothing is left to do.
+  bool refine_window();
 
   // Takes over poses and segments of all keyframes.
   void correct(std::span<const MapKeyframe> keyframes);
@@ -80,25 +83,29 @@ struct Odometry::State {
   // Of a frame, by the present poses of its keyframe and of that one's successor.
   [[nodiscard]] SE3 world_from_camera(const FrameLink& link) const;
 
-  // Begins a segment with this frame, where the last one ended. False, and nothing changed, if too
-  // little of the frame can be tracked.
-  bool begin(const Frame& frame, KeyframeReason reason, FrameResult& result);
+  // Makes this frame the first keyframe of a new segment, at the last good pose. False, and nothing
+  // changed but the result's loss cause, if too little of the frame can be tracked.
+  bool begin_segment(const Frame& frame, KeyframeReason reason, FrameResult& result);
 
-  // Aligns a frame that was lost to the segment that was left; if it fits there, that becomes the
-  // present one.
+  // Aligns a frame that the present segment lost to left_segment; if it fits there, that becomes
+  // the present one, and the other is kept in its place if it had a few tracked frames.
   bool relocalize(const Frame& frame, SegmentAlignment& alignment);
 
-  void take(const Frame& frame, const AlignResult& alignment, bool relocalized,
-            FrameResult& result);
-  void lose(const Frame& frame, LossCause cause, FrameResult& result);
+  // Links the frame to the present segment's keyframe and fills in the result.
+  void record_tracked(const Frame& frame, const AlignResult& alignment, bool relocalized,
+                      FrameResult& result);
+  // Reports the last good pose; after max_lost_frames in a row begins a new segment, if it can.
+  void lose_or_restart(const Frame& frame, LossCause cause, FrameResult& result);
 
-  // Makes a keyframe of a frame whose pose is known: edges, corners, points, window. False, and
-  // nothing changed, if too little can be tracked.
+  // Makes a keyframe of a frame whose pose is known: edges, corners, points, window. Later frames
+  // are aligned to it. False, and nothing changed, if too little can be tracked.
   bool insert_keyframe(const Frame& frame, KeyframeReason reason, FrameResult& result);
 
  private:
-  void leave(Segment&& old);
+  // Keeps what finish() needs of a segment that nothing comes back to.
+  void archive_segment(Segment&& old);
   [[nodiscard]] std::vector<WindowKeyframe*> all_keyframes();
+  // Makes the frame the reference keyframe of target.
   bool insert_into(Segment& target, const Frame& frame, const SE3& world_from_camera,
                    FrameResult& result);
 };

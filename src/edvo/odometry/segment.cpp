@@ -9,13 +9,14 @@
 namespace edvo {
 namespace {
 
-constexpr double kUsualShare = 0.1;      // of a new frame in the usual sigma
+constexpr double kUsualShare = 0.1;      // weight of a new frame in the running mean of sigma
 constexpr double kWellExplained = 0.85;  // [0..1] of the image, see motion_judge.cpp
 constexpr int kDoubtful = 15;            // frames after a second motion
 
 using Guesses = InplaceVector<Alignment, kMostCandidates>;
 
-// Of the frame to the reference keyframe, the one that costs least first.
+// Where to start aligning to the reference keyframe: the last good alignment moved by each motion,
+// the one of the least cost first.
 Guesses guesses(const Segment& segment, const Frame& frame, const MotionCandidates& motions,
                 const Config& config, AlignScratch& scratch) {
   Guesses all;
@@ -33,7 +34,7 @@ Guesses guesses(const Segment& segment, const Frame& frame, const MotionCandidat
   return sorted;
 }
 
-// From anywhere that leaves a view in common: the alignment of the smallest residuals.
+// A search from far guesses, wherever the views still overlap: the alignment of least residuals.
 AlignResult align_from_afar(const Segment& segment, const Frame& frame, const SE3& velocity,
                             const Config& config, AlignScratch& scratch) {
   const MotionCandidates far = segment.predictor.far_candidates(frame, velocity, config, scratch);
@@ -117,7 +118,8 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
   return aligned;
 }
 
-void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignment) {
+void update_tracking_state(Segment& segment, const Frame& frame,
+                           const SegmentAlignment& alignment) {
   TrackingState& state = segment.state;
   const AlignResult& result = alignment.result;
   state.last_from_current = state.alignment.cur_from_ref * inverse(result.alignment.cur_from_ref);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One connected part of the trajectory: what is needed to track on in it.
+// A segment: frames and keyframes whose motion between each other is known, and what it takes to
+// track the next frame in it. A new one begins where tracking was lost for too long.
 #pragma once
 
 #include "edvo/map/map.hpp"
@@ -14,9 +15,9 @@ namespace edvo {
 
 struct Segment {
   int id = 0;
-  std::int64_t tracked = 0;  // frames
-  KeyframeId keyframe = -1;  // the reference
-  Reference reference;       // of that keyframe
+  std::int64_t tracked = 0;  // frames, without the one that began it
+  KeyframeId keyframe = -1;  // the reference keyframe: the newest of this segment
+  Reference reference;       // its points, which frames are aligned to
   TrackingState state;
   int undecided_frames = 0;  // lost since the last good one to a second motion
   MotionPredictor predictor;
@@ -26,16 +27,18 @@ struct Segment {
 struct SegmentAlignment {
   AlignResult result;
   LossCause loss = LossCause::kNone;
-  int moving_object_frames = 0;  // for the state, should the frame be taken
+  int moving_object_frames = 0;  // for TrackingState, if the frame is not lost
   JudgedMotion judged;
 };
 
-// Aligns a frame to the segment's reference keyframe, from where the motion so far leads, and
-// judges the result. Changes nothing that the next frame reads: a lost frame leaves no trace.
+// Aligns a frame to the segment's reference keyframe: from predicted motions; tested for loss; if
+// lost though the image is usable, once more from far guesses; and judged for a second motion,
+// which may be an object's. Changes nothing that the next frame reads: a lost frame leaves no
+// trace.
 [[nodiscard]] SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
                                         const MovingObjectGuard& guard, AlignScratch& scratch);
 
-// Takes a tracked frame over into the segment's state.
-void accept(Segment& segment, const Frame& frame, const SegmentAlignment& alignment);
+// Makes a tracked frame the last good one: what the next is predicted from and judged by.
+void update_tracking_state(Segment& segment, const Frame& frame, const SegmentAlignment& alignment);
 
 }  // namespace edvo
