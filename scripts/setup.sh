@@ -65,17 +65,22 @@ parallel_jobs() {
   echo $((cores < fitting ? cores : fitting))
 }
 
+# forget_other_place FOLDER: a checkout that was copied or moved brings build folders that name its
+# old place.
+forget_other_place() {
+  local built_from
+  built_from=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$1/CMakeCache.txt" 2>/dev/null || true)
+  if [[ -n $built_from && $built_from != "$(pwd -P)" ]]; then
+    echo "edvo: $1/ was made in $built_from; it is configured anew"
+    rm -rf "$1/CMakeCache.txt" "$1/CMakeFiles"
+  fi
+}
+
 # configure [CMAKE_ARGUMENT...]
 configure() {
   local log
   log=$(mktemp)
-  # A checkout that was copied or moved brings a build folder that names its old place.
-  local built_from
-  built_from=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' build/CMakeCache.txt 2>/dev/null || true)
-  if [[ -n $built_from && $built_from != "$(pwd -P)" ]]; then
-    echo "edvo: build/ was made in $built_from; it is configured anew"
-    rm -rf build/CMakeCache.txt build/CMakeFiles
-  fi
+  forget_other_place build
   if ! cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release "$@" >"$log" 2>&1; then
     cat "$log" >&2
     rm -f "$log"
