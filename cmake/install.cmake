@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(edvo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/edvo)
 
 if(TARGET edvo_app)
-  install(TARGETS edvo_app)
+  install(TARGETS edvo_app COMPONENT program)
 endif()
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/edvoConfig.cmake.in
@@ -20,4 +20,4 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/edvoConfig.cmake
               ${PROJECT_SOURCE_DIR}/cmake/read_version.cmake
         DESTINATION ${edvo_cmake_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-        DESTINATION ${CMAKE_INSTALL_DOCDIR})
+        DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
