@@ -32,6 +32,9 @@ struct Extension {
   // Null, or a null result: the library opens it. What they throw is shown as the program's own
   // errors are.
   std::function<std::unique_ptr<RgbdSource>(const SequenceChoice&, const Values&)> open_source;
+  // What looks wrong with a recording that was opened, gravest first, each with what mends it.
+  // Null: no one looks.
+  std::function<std::vector<std::string>(const SequenceChoice&, const Values&)> examine;
   // A null result: no one watches.
   std::function<std::unique_ptr<Observer>(const Values&)> make_observer;
 };

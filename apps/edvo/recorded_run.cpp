@@ -106,8 +106,9 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
 }
 
 void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags,
-                  Observer* watcher) {
-  const RunDescription description = describe_run(source.info(), method_name(flags), config);
+                  Observer* watcher, const std::vector<std::string>& findings) {
+  RunDescription description = describe_run(source.info(), method_name(flags), config);
+  description.warnings.insert(description.warnings.end(), findings.begin(), findings.end());
   show_choices(description, flags);
   const RecordedRun run = record_run(source, description, config, flags, {}, watcher);
   const bool is_empty = run.failure && run.failure->code() == ErrorCode::kTrackingLost;

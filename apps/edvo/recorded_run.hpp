@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace edvo::app {
 
@@ -34,9 +35,9 @@ struct RecordedRun {
                                      Observer* watcher = nullptr);
 
 // All of `edvo run` and `edvo demo` once there is a source: shows what was chosen and the result,
-// then throws the failure if there is one.
+// then throws the failure if there is one. findings: more warnings about the source.
 void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flags,
-                  Observer* watcher = nullptr);
+                  Observer* watcher = nullptr, const std::vector<std::string>& findings = {});
 
 // Who the extension lets watch, by its options; null = no one.
 [[nodiscard]] std::unique_ptr<Observer> make_observer(const Extension& extension,

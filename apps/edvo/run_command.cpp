@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace edvo::app {
 namespace {
@@ -32,7 +34,9 @@ void run(const Arguments& arguments, const Extension& extension) {
     sequence.camera_size = parse_size("--camera-size", arguments.camera_size);
   const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
   const std::unique_ptr<RgbdSource> source = open_source(sequence, arguments, extension);
-  run_and_show(*source, config, arguments.run, watcher.get());
+  std::vector<std::string> findings;
+  if (extension.examine) findings = extension.examine(sequence, arguments.extra);
+  run_and_show(*source, config, arguments.run, watcher.get(), findings);
 }
 
 }  // namespace

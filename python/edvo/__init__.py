@@ -11,11 +11,12 @@
 
 from edvo import _core
 from edvo.camera import Camera
+from edvo.detector import EdgeDetector
 from edvo.doctor import Finding, diagnose
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, Statistics, evaluate
 from edvo.observer import Image, Keyframe, KeyframePose, Observer, SourceInfo
-from edvo.odometry import FrameResult, LevelStats, Odometry, Options
+from edvo.odometry import FrameResult, LevelStats, Link, Odometry, Options, Slam
 from edvo.registration import DepthRegistration, register_depth
 from edvo.runner import Run, run
 from edvo.sources import Frame, Source, open_source
@@ -26,6 +27,7 @@ __version__: str = _core.version
 __all__ = [
     "Camera",
     "DepthRegistration",
+    "EdgeDetector",
     "Error",
     "Evaluation",
     "Finding",
@@ -35,10 +37,12 @@ __all__ = [
     "Keyframe",
     "KeyframePose",
     "LevelStats",
+    "Link",
     "Observer",
     "Odometry",
     "Options",
     "Run",
+    "Slam",
     "Source",
     "SourceInfo",
     "Statistics",

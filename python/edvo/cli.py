@@ -27,6 +27,7 @@ SOURCE_OPTIONS: list[Option] = [
     ("--colour-topic", "TOPIC", "Of a bag; else guessed"),
     ("--depth-topic", "TOPIC", "Of a bag; else guessed"),
 ]
+NO_DOCTOR: Option = ("--no-doctor", "", "Do not look at the recording for the usual faults first")
 WATCH_OPTIONS: list[Option] = [
     ("--view", "", "Show the run in Rerun: a window, or without a display a browser page"),
     ("--record", "FILE.rrd", "Record the run for Rerun"),
@@ -60,10 +61,11 @@ def source_options(values: dict[str, str]) -> dict[str, Any]:
 class Host:
     """What the C++ program asks Python for; see apps/edvo/extension.hpp."""
 
-    source_options = SOURCE_OPTIONS
+    source_options = [*SOURCE_OPTIONS, NO_DOCTOR]
     watch_options = WATCH_OPTIONS
 
     def __init__(self) -> None:
+        self._opened: Source | None = None
         self.verbs: list[tuple[str, str, Callable[[list[str]], int]]] = [
             ("doctor", "Measure the usual faults of a recording and say what mends them", verb(doctor)),
             ("export", "Write a trajectory as TUM, KITTI, EuRoC or MCAP", verb(export)),
@@ -82,13 +84,35 @@ class Host:
         """None: the C++ library opens it, or says why not."""
         if read_by_core(path) and not any(name in values for name, _, _ in SOURCE_OPTIONS):
             return None
-        return open_source(
+        self._opened = open_source(
             path,
             camera=camera,
             camera_size=camera_size,
             depth_scale=depth_scale,
             **source_options(values),
         )
+        return self._opened
+
+    def examine(
+        self,
+        path: str,
+        camera: str | None,
+        camera_size: tuple[int, int],
+        depth_scale: float | None,
+        values: dict[str, str],
+    ) -> list[str]:
+        """What the doctor finds grave in a recording that has been opened."""
+        from edvo.doctor import gravest
+
+        if "--no-doctor" in values:
+            return []
+        source = self._opened or open_source(
+            path, camera=camera, camera_size=camera_size, depth_scale=depth_scale
+        )
+        findings = [f"doctor: {finding}" for finding in gravest(source)]
+        if findings:
+            findings.append("doctor: edvo doctor tells more; --no-doctor leaves this out")
+        return findings
 
     def make_observers(self, values: dict[str, str]) -> list[Observer]:
         observers: list[Observer] = []

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from edvo import _core
 from edvo.camera import Camera, as_tuple
+from edvo.detector import EdgeDetector
+from edvo.errors import Error
 from edvo.images import check_depth, check_rgb
 from edvo.stamp import Seconds, nanoseconds
 from edvo.trajectory import Trajectory
@@ -95,13 +97,10 @@ def result_from(fields: dict[str, Any]) -> FrameResult:
     return FrameResult(levels=levels, **fields)
 
 
-class Odometry:
-    """RGB-D images in, poses out. The world is the camera frame of the first usable image.
+class Tracker:
+    """What ``Odometry`` and ``Slam`` have in common."""
 
-    ``options``: an ``Options``, or keywords "group.field" over those of ``method``::
-
-        odometry = edvo.Odometry(camera, **{"keyframes.period": 30})
-    """
+    _make: Any  # of _core
 
     def __init__(
         self,
@@ -110,6 +109,7 @@ class Odometry:
         *,
         method: str = _core.default_method,
         depth_scale: float | None = None,
+        detector: EdgeDetector | None = None,
         **changes: Value,
     ) -> None:
         if options is not None and (changes or method != _core.default_method):
@@ -117,9 +117,8 @@ class Odometry:
         self.camera = camera
         self.options = options if options is not None else Options(method, **changes)
         self.depth_scale = depth_scale
-        self._core = _core.Odometry(
-            as_tuple(camera), self.options.method, list(self.options.changes)
-        )
+        self.detector = detector
+        self.reset()
 
     def process(
         self,
@@ -149,27 +148,37 @@ class Odometry:
         width, height = self.camera.width, self.camera.height
         rgb = check_rgb(rgb, width, height)
         depth = check_depth(depth, width, height)
-        if depth.dtype == np.uint16:
-            scale = depth_scale if depth_scale is not None else self.depth_scale
-            if scale is None:
-                raise ValueError(
-                    "depth: uint16 needs depth_scale, its units per metre (1000: millimetres, "
-                    "5000: TUM)"
-                )
-            if not scale > 0:
-                raise ValueError(f"depth_scale {scale}: must be positive")
-            fields = self._core.process_units(stamp_ns, decimals, rgb, depth, scale)
-        else:
-            fields = self._core.process_metres(stamp_ns, decimals, rgb, depth)
+        try:
+            if depth.dtype == np.uint16:
+                scale = self._units_per_metre(depth_scale)
+                fields = self._core.process_units(stamp_ns, decimals, rgb, depth, scale)
+            else:
+                fields = self._core.process_metres(stamp_ns, decimals, rgb, depth)
+        except Error as error:
+            raise_cause(error, self.detector)
         return result_from(fields)
 
-    def finish(self) -> None:
-        """Refines the last keyframes to the end: once after the last image."""
-        self._core.finish()
+    def _units_per_metre(self, given: float | None) -> float:
+        scale = given if given is not None else self.depth_scale
+        if scale is None:
+            raise ValueError(
+                "depth: uint16 needs depth_scale, its units per metre (1000: millimetres, "
+                "5000: TUM)"
+            )
+        if not scale > 0:
+            raise ValueError(f"depth_scale {scale}: must be positive")
+        return scale
+
+    def finish(self, threads: int = 2) -> None:
+        """Refines the last keyframes to the end, and all of a segment together: once after the last
+        image. The result is the same for any number of threads."""
+        self._core.finish(threads)
 
     def reset(self) -> None:
         """As if no image had come."""
-        self._core.reset()
+        self._core = self._make(
+            as_tuple(self.camera), self.options.method, list(self.options.changes), self.detector
+        )
 
     def trajectory(self) -> Trajectory:
         """The best present estimate of every tracked frame; later frames may still change it."""
@@ -178,3 +187,68 @@ class Odometry:
     def keyframes(self) -> Trajectory:
         """The keyframes' poses."""
         return Trajectory._from_arrays(self._core.keyframes())
+
+    def segments(self) -> list[Trajectory]:
+        """The trajectory in parts between which no motion is known."""
+        whole = self.trajectory()
+        return [whole.of_segment(segment) for segment in np.unique(whole.segments).tolist()]
+
+
+class Odometry(Tracker):
+    """RGB-D images in, poses out. The world is the camera frame of the first usable image.
+
+    ``options``: an ``Options``, or keywords "group.field" over those of ``method``::
+
+        odometry = edvo.Odometry(camera, **{"keyframes.period": 30})
+
+    ``detector``: an ``EdgeDetector`` instead of what the options name.
+    """
+
+    _make = _core.Odometry
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """What became of two keyframes that might show the same place. What was not reached is zero."""
+
+    first: int  # keyframe
+    second: int  # keyframe
+    status: str  # "accepted", or which step refused it (docs/slam.md)
+    similarity: float  # of the places' codes [0..1]
+    matches: int  # corners
+    inliers: int  # of them
+    translation_difference: float  # of both directions [m]
+    rotation_difference: float  # [rad]
+    overlap: float  # the smaller of both directions [0..1]
+    correlation: float  # the smaller of both directions
+    seen_through: float  # the larger of both directions [0..1]
+    cycle_chi_square: float
+    first_from_second: NDArray[np.float64]  # 4 x 4
+    information: NDArray[np.float64]  # 6 x 6, of xi in first_from_second * exp(xi)
+
+    @property
+    def accepted(self) -> bool:
+        return self.status == "accepted"
+
+
+class Slam(Tracker):
+    """``Odometry`` whose keyframes are joined by the places that they show again.
+
+    While images come it is the odometry. ``finish`` looks for keyframes of the same place, joins
+    segments, closes loops and refines all keyframes together; ``edvo.run`` does the same. Methods
+    without keyframes (the dense one) have nothing to join: ``edvo.Error``, code 4.
+    """
+
+    _make = _core.Slam
+
+    def links(self) -> list[Link]:
+        """What the last ``finish`` found out about each candidate."""
+        return [Link(**fields) for fields in self._core.links()]
+
+
+def raise_cause(error: Error, detector: EdgeDetector | None) -> NoReturn:
+    """The error, with what a Python detector raised as its cause; ctrl-C as itself."""
+    cause = detector._take_failure() if detector is not None else None
+    if cause is not None and not isinstance(cause, Exception):
+        raise cause
+    raise error from cause

@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from edvo import _core
+from edvo.detector import EdgeDetector
+from edvo.doctor import Finding, gravest
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, evaluate
 from edvo.observer import Observer, SourceInfo, source_info
-from edvo.odometry import FrameResult, Options, Value, result_from
+from edvo.odometry import FrameResult, Link, Options, Value, raise_cause, result_from
 from edvo.sources import Source, open_source
 from edvo.trajectory import Trajectory
 
@@ -32,6 +34,8 @@ class Run:
     wall_seconds: float  # from the first frame asked for to the last pose
     interrupted: bool = False  # by ctrl-C
     error: Error | None = None  # that ended it before the last frame
+    links: list[Link] = field(default_factory=list)  # what became of places seen again
+    findings: tuple[Finding, ...] = ()  # the doctor's gravest, if it was asked
 
     @property
     def tracked(self) -> int:
@@ -64,7 +68,7 @@ class Run:
         self.keyframes.write(place / "keyframes.tum")
 
 
-def run_from(fields: dict[str, Any]) -> Run:
+def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
     error = fields["error"]
     return Run(
         source=source_info(fields["source"]),
@@ -77,6 +81,8 @@ def run_from(fields: dict[str, Any]) -> Run:
         wall_seconds=fields["wall_seconds"],
         interrupted=fields["interrupted"],
         error=None if error is None else Error(*error),
+        links=[Link(**link) for link in fields["links"]],
+        findings=findings,
     )
 
 
@@ -91,14 +97,17 @@ def run(
     output: str | Path | None = None,
     force: bool = False,
     source_options: dict[str, Any] | None = None,
+    doctor: bool = True,
+    detector: EdgeDetector | None = None,
     **changes: Value,
 ) -> Run:
     """Tracks every frame of a recording, as ``edvo run`` does, to the same bits.
 
     ``source``: a ``Source``, or a path for ``open_source`` with ``source_options``. ``options``, or
-    ``method`` and keywords "group.field", as for ``Odometry``. ``threads``: one of them tracks, the
+    ``method`` and keywords "group.field", and ``detector``, as for ``Odometry``. ``threads``: one of them tracks, the
     others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), replaced
-    with ``force``. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
+    with ``force``. ``doctor``: of a path, look for grave faults first (``Run.findings``; they are in
+    the report, too). Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
     whose results so far are its results. If the source fails on the way, raises ``edvo.Error``
     whose ``run`` has what was done until then.
     """
@@ -108,6 +117,8 @@ def run(
         raise ValueError(f"max_frames {max_frames}: at least 1")
     opened = source if isinstance(source, Source) else open_source(source, **source_options or {})
     chosen = options if options is not None else Options(method, **changes)
+    is_named = not isinstance(source, Source)
+    findings = gravest(opened) if doctor and is_named else []
     result = run_from(
         _core.run(
             opened,
@@ -118,9 +129,12 @@ def run(
             None if output is None else Path(output),
             force,
             max_frames or 0,
-        )
+            [f"doctor: {finding}" for finding in findings],
+            detector,
+        ),
+        tuple(findings),
     )
     if result.error is not None:
         result.error.run = result
-        raise result.error
+        raise_cause(result.error, detector)
     return result

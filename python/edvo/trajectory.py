@@ -90,6 +90,13 @@ class Trajectory:
         matrices[:, 3, 3] = 1
         return matrices
 
+    def of_segment(self, segment: int) -> Trajectory:
+        """The poses of one segment."""
+        chosen = self.segments == segment
+        return Trajectory(
+            self.stamps_ns[chosen], self.values[chosen], self.decimals, self.segments[chosen]
+        )
+
     @staticmethod
     def from_poses(
         stamps_ns: NDArray[np.int64], poses: NDArray[np.float64], decimals: int = 9

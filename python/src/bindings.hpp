@@ -30,9 +30,11 @@ void add_program(nb::module_& module);
 // The options of a method after changes spelled "group.field=value".
 [[nodiscard]] Config config_of(const std::string& method, const std::vector<std::string>& changes);
 
-// None where the method uses no network.
+// own: an edvo.EdgeDetector, or None for what the options name; then null where they name no
+// network. With the GIL; the result needs none, also when it is destroyed.
 [[nodiscard]] std::unique_ptr<EdgeDetector> detector_of(const Config& config,
-                                                        const DistortedCamera& camera);
+                                                        const DistortedCamera& camera,
+                                                        const nb::object& own);
 
 // fx, fy, cx, cy [px], width, height [px], distortion, whether the lens is equidistant.
 using CameraTuple =

@@ -65,28 +65,28 @@ nb::dict counts_dict(const FrameCounts& counts) {
 
 }  // namespace
 
-nb::dict outcome_dict(const RunOutcome& outcome, const SourceInfo& source,
-                      const std::vector<FrameResult>& frames,
-                      const std::vector<SkippedFrame>& skipped) {
-  nb::list results, reasons;
-  for (const FrameResult& result : frames) results.append(result_dict(result));
-  for (const SkippedFrame& frame : skipped)
-    reasons.append("frame " + std::to_string(frame.index) + ": " + frame.reason);
-  nb::dict fields;
-  fields["source"] = source_fields(source);
-  fields["counts"] = counts_dict(outcome.counts);
-  fields["trajectory"] = numpy_trajectory(outcome.trajectory);
-  fields["online"] = numpy_trajectory(outcome.online);
-  fields["keyframes"] = numpy_trajectory(outcome.keyframes);
-  fields["frames"] = results;
-  fields["skipped"] = reasons;
-  fields["wall_seconds"] = outcome.wall_seconds;
-  fields["interrupted"] = outcome.interrupted;
-  fields["error"] = nb::none();
-  if (outcome.error)
-    fields["error"] =
-        nb::make_tuple(std::string(outcome.error->what()), static_cast<int>(outcome.error->code()));
-  return fields;
+// The fields of edvo.Link.
+nb::list link_list(std::span<const LinkReport> links) {
+  nb::list list;
+  for (const LinkReport& link : links) {
+    nb::dict fields;
+    fields["first"] = link.from;
+    fields["second"] = link.to;
+    fields["status"] = std::string(name_of(link.status));
+    fields["similarity"] = link.similarity;
+    fields["matches"] = link.matches;
+    fields["inliers"] = link.inliers;
+    fields["translation_difference"] = link.translation_difference;
+    fields["rotation_difference"] = link.rotation_difference;
+    fields["overlap"] = link.overlap;
+    fields["correlation"] = link.correlation;
+    fields["seen_through"] = link.seen_through;
+    fields["cycle_chi_square"] = link.cycle_chi_square;
+    fields["first_from_second"] = numpy_pose(link.from_pose_to);
+    fields["information"] = numpy_matrix(link.information);
+    list.append(fields);
+  }
+  return list;
 }
 
 PythonObservers::PythonObservers(const nb::list& observers) {
@@ -140,6 +140,10 @@ void PythonObservers::map_changed(std::span<const MapKeyframe> keyframes) {
   }
 }
 
+void PythonObservers::links(std::span<const LinkReport> links) {
+  links_.assign(links.begin(), links.end());
+}
+
 void PythonObservers::warning(const std::string& text) {
   if (observers_.empty()) return;
   const nb::gil_scoped_acquire gil;
@@ -153,7 +157,26 @@ void PythonObservers::end(const RunOutcome& outcome) {
 }
 
 nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
-  return outcome_dict(outcome, source_, frames_, skipped_);
+  nb::list results, reasons;
+  for (const FrameResult& result : frames_) results.append(result_dict(result));
+  for (const SkippedFrame& frame : skipped_)
+    reasons.append("frame " + std::to_string(frame.index) + ": " + frame.reason);
+  nb::dict fields;
+  fields["source"] = source_fields(source_);
+  fields["counts"] = counts_dict(outcome.counts);
+  fields["trajectory"] = numpy_trajectory(outcome.trajectory);
+  fields["online"] = numpy_trajectory(outcome.online);
+  fields["keyframes"] = numpy_trajectory(outcome.keyframes);
+  fields["frames"] = results;
+  fields["skipped"] = reasons;
+  fields["links"] = link_list(links_);
+  fields["wall_seconds"] = outcome.wall_seconds;
+  fields["interrupted"] = outcome.interrupted;
+  fields["error"] = nb::none();
+  if (outcome.error)
+    fields["error"] =
+        nb::make_tuple(std::string(outcome.error->what()), static_cast<int>(outcome.error->code()));
+  return fields;
 }
 
 void add_observers(nb::module_& module) {

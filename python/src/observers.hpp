@@ -5,17 +5,14 @@
 #include "bindings.hpp"
 #include "edvo/run/observer.hpp"
 
+#include <span>
 #include <vector>
 
 namespace edvo::python {
 
 [[nodiscard]] nb::dict result_dict(const FrameResult& result);
+[[nodiscard]] nb::list link_list(std::span<const LinkReport> links);
 [[nodiscard]] nb::dict source_fields(const SourceInfo& info);
-
-// The fields of edvo.Run, but for its evaluation.
-[[nodiscard]] nb::dict outcome_dict(const RunOutcome& outcome, const SourceInfo& source,
-                                    const std::vector<FrameResult>& frames,
-                                    const std::vector<SkippedFrame>& skipped);
 
 // Keeps the results and tells a list of edvo.Observer. Takes the GIL only if there is someone to
 // tell. Created and destroyed with the GIL; what Python raises passes through the run.
@@ -29,10 +26,12 @@ class PythonObservers final : public Observer {
   [[nodiscard]] bool wants_keyframes() const override { return wants_keyframes_; }
   void keyframe(const KeyframePtr& keyframe) override;
   void map_changed(std::span<const MapKeyframe> keyframes) override;
+  void links(std::span<const LinkReport> links) override;
   void warning(const std::string& text) override;
   void end(const RunOutcome& outcome) override;
 
   // With the GIL.
+  // The fields of edvo.Run, but for its evaluation.
   [[nodiscard]] nb::dict outcome(const RunOutcome& outcome) const;
 
  private:
@@ -41,6 +40,7 @@ class PythonObservers final : public Observer {
   SourceInfo source_;
   std::vector<FrameResult> frames_;
   std::vector<SkippedFrame> skipped_;
+  std::vector<LinkReport> links_;
 };
 
 }  // namespace edvo::python

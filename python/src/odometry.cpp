@@ -3,8 +3,7 @@
 #include "edvo/odometry/odometry.hpp"
 #include "bindings.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/features/edge_strength.hpp"
-#include "edvo/network/edge_network.hpp"
+#include "edvo/slam/slam.hpp"
 #include "observers.hpp"
 
 #include <fmt/core.h>
@@ -59,12 +58,6 @@ Config config_of(const std::string& method, const std::vector<std::string>& chan
   return config;
 }
 
-std::unique_ptr<EdgeDetector> detector_of(const Config& config, const DistortedCamera& camera) {
-  if (config.edge.detector != Detector::kNetwork) return nullptr;
-  const cv::Size size(camera.pinhole.width, camera.pinhole.height);
-  return make_strength_detector(open_network(config.network, size), config.network);
-}
-
 // The fields of edvo.FrameResult.
 nb::dict result_dict(const FrameResult& result) {
   nb::list levels;
@@ -92,17 +85,44 @@ nb::dict result_dict(const FrameResult& result) {
 namespace {
 
 // Copies the image and tracks it while other Python threads run.
-template <typename DepthOf>
-nb::dict process(Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+template <typename Tracker, typename DepthOf>
+nb::dict process(Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
                  const DepthOf& depth_of) {
   FrameResult result;
   {
     const nb::gil_scoped_release release;
-    result = odometry.process(RgbdImage{.stamp = {.nanoseconds = nanoseconds, .decimals = decimals},
-                                        .bgr = to_bgr(rgb),
-                                        .depth = depth_of()});
+    result = tracker.process(RgbdImage{.stamp = {.nanoseconds = nanoseconds, .decimals = decimals},
+                                       .bgr = to_bgr(rgb),
+                                       .depth = depth_of()});
   }
   return result_dict(result);
+}
+
+// What Odometry and Slam have in common.
+template <typename Tracker>
+nb::class_<Tracker> add_tracker(nb::module_& module, const char* name) {
+  using namespace nb::literals;
+  return nb::class_<Tracker>(module, name)
+      .def(
+          "process_metres",
+          [](Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+             const MetreArray& depth) {
+            return process(tracker, nanoseconds, decimals, rgb, [&] { return to_depth(depth); });
+          },
+          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a)
+      .def(
+          "process_units",
+          [](Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+             const UnitArray& depth, double units_per_metre) {
+            return process(tracker, nanoseconds, decimals, rgb,
+                           [&] { return to_depth(depth, units_per_metre); });
+          },
+          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a, "units_per_metre"_a)
+      .def("finish", &Tracker::finish, "threads"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def("trajectory",
+           [](const Tracker& tracker) { return numpy_trajectory(tracker.trajectory()); })
+      .def("keyframes",
+           [](const Tracker& tracker) { return numpy_trajectory(tracker.keyframe_trajectory()); });
 }
 
 }  // namespace
@@ -116,39 +136,32 @@ void add_odometry(nb::module_& module) {
         return to_toml(config_of(method, changes));
       },
       "method"_a, "changes"_a);
-  nb::class_<Odometry>(module, "Odometry")
+  add_tracker<Odometry>(module, "Odometry")
       .def(
           "__init__",
           [](Odometry* place, const CameraTuple& camera, const std::string& method,
-             const std::vector<std::string>& changes) {
+             const std::vector<std::string>& changes, const nb::object& detector) {
             const Config config = config_of(method, changes);
             const DistortedCamera lens = to_camera(camera);
-            new (place) Odometry(lens, config, detector_of(config, lens));
+            new (place) Odometry(lens, config, detector_of(config, lens, detector));
           },
-          "camera"_a, "method"_a, "changes"_a)
+          "camera"_a, "method"_a, "changes"_a, "detector"_a.none());
+  add_tracker<Slam>(module, "Slam")
       .def(
-          "process_metres",
-          [](Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
-             const MetreArray& depth) {
-            return process(odometry, nanoseconds, decimals, rgb, [&] { return to_depth(depth); });
+          "__init__",
+          [](Slam* place, const CameraTuple& camera, const std::string& method,
+             const std::vector<std::string>& changes, const nb::object& detector) {
+            const Config config = config_of(method, changes);
+            if (!has_back_end(config))
+              throw Error(ErrorCode::kConfig,
+                          fmt::format("method {} keeps no keyframes that could be joined: use "
+                                      "edvo.Odometry, or another method",
+                                      method));
+            const DistortedCamera lens = to_camera(camera);
+            new (place) Slam(lens, config, {}, detector_of(config, lens, detector));
           },
-          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a)
-      .def(
-          "process_units",
-          [](Odometry& odometry, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
-             const UnitArray& depth, double units_per_metre) {
-            return process(odometry, nanoseconds, decimals, rgb,
-                           [&] { return to_depth(depth, units_per_metre); });
-          },
-          "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a, "units_per_metre"_a)
-      .def("finish", &Odometry::finish, nb::arg("threads") = 2,
-           nb::call_guard<nb::gil_scoped_release>())
-      .def("reset", &Odometry::reset)
-      .def("trajectory",
-           [](const Odometry& odometry) { return numpy_trajectory(odometry.trajectory()); })
-      .def("keyframes", [](const Odometry& odometry) {
-        return numpy_trajectory(odometry.keyframe_trajectory());
-      });
+          "camera"_a, "method"_a, "changes"_a, "detector"_a.none())
+      .def("links", [](const Slam& slam) { return link_list(slam.links()); });
 }
 
 }  // namespace edvo::python

@@ -41,6 +41,7 @@ struct WatcherWithGil final : Observer {
   void map_changed(std::span<const MapKeyframe> keyframes) override {
     inner->map_changed(keyframes);
   }
+  void links(std::span<const LinkReport> links) override { inner->links(links); }
   void warning(const std::string& text) override { inner->warning(text); }
   void end(const RunOutcome& outcome) override { inner->end(outcome); }
 
@@ -55,21 +56,35 @@ std::vector<app::Extension::Option> options_of(const nb::object& list) {
   return options;
 }
 
+// Calls what the host has for a sequence, with the GIL.
+nb::object ask_host(const nb::object& host, const char* method, const app::SequenceChoice& choice,
+                    const app::Extension::Values& values) {
+  const auto camera =
+      choice.camera_file ? std::optional<std::string>(choice.camera_file->string()) : std::nullopt;
+  return host.attr(method)(choice.path.string(), camera,
+                           std::pair(choice.camera_size.width, choice.camera_size.height),
+                           choice.depth_scale, values);
+}
+
 std::unique_ptr<RgbdSource> open_source(const nb::object& host, const app::SequenceChoice& choice,
                                         const app::Extension::Values& values) {
   const nb::gil_scoped_acquire gil;
   std::unique_ptr<RgbdSource> source;
   rethrow_python_errors([&] {
-    const auto camera = choice.camera_file
-                            ? std::optional<std::string>(choice.camera_file->string())
-                            : std::nullopt;
-    const nb::object opened = host.attr("open_source")(
-        choice.path.string(), camera,
-        std::pair(choice.camera_size.width, choice.camera_size.height), choice.depth_scale, values);
+    const nb::object opened = ask_host(host, "open_source", choice, values);
     if (!opened.is_none())
       source = make_source(opened, {.first = choice.first, .max_frames = choice.max_frames});
   });
   return source;
+}
+
+Words examine(const nb::object& host, const app::SequenceChoice& choice,
+              const app::Extension::Values& values) {
+  const nb::gil_scoped_acquire gil;
+  Words findings;
+  rethrow_python_errors(
+      [&] { findings = nb::cast<Words>(ask_host(host, "examine", choice, values)); });
+  return findings;
 }
 
 std::unique_ptr<Observer> make_observer(const nb::object& host,
@@ -98,6 +113,10 @@ app::Extension extension_of(const nb::object& host) {
       .open_source =
           [&host](const app::SequenceChoice& choice, const app::Extension::Values& values) {
             return open_source(host, choice, values);
+          },
+      .examine =
+          [&host](const app::SequenceChoice& choice, const app::Extension::Values& values) {
+            return examine(host, choice, values);
           },
       .make_observer =
           [&host](const app::Extension::Values& values) { return make_observer(host, values); }};

@@ -4,6 +4,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/source/folder_source.hpp"
 #include "python_error.hpp"
+#include "shared_object.hpp"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
@@ -48,16 +49,6 @@ SourceInfo info_of(const nb::object& source, const FrameRange& range) {
     if (range.max_frames > 0) info.frames = std::min(*info.frames, range.max_frames);
   }
   return info;
-}
-
-// A Python object that any thread may drop, with the GIL or without.
-using Shared = std::shared_ptr<nb::object>;
-
-Shared share(nb::object object) {
-  return {new nb::object(std::move(object)), [](nb::object* kept) {
-            const nb::gil_scoped_acquire gil;
-            delete kept;
-          }};
 }
 
 // Calls load(), which gives (rgb, depth [m]), and copies the arrays.

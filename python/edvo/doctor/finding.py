@@ -18,6 +18,9 @@ class Finding:
     def to_dict(self) -> dict[str, Any]:
         return asdict(self)
 
+    def __str__(self) -> str:
+        return f"{self.fault}: {self.measured}" + (f"; {self.advice}" if self.advice else "")
+
 
 def ok(fault: str, measured: str) -> Finding:
     return Finding(fault, "ok", measured, gravity=0)

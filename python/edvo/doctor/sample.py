@@ -20,9 +20,17 @@ from edvo.trajectory import Trajectory
 
 Gray = NDArray[np.float32]
 
-GROUPS = 8  # runs of consecutive frames, spread over the sequence
-LENGTH = 8  # frames of each
-STREAMED = 90  # frames of a recording that can only be read from its start
+
+
+@dataclass(frozen=True)
+class Size:
+    groups: int  # runs of consecutive frames, spread over the sequence
+    length: int  # frames of each
+    streamed: int  # frames of a recording that can only be read from its start
+
+
+THOROUGH = Size(groups=8, length=8, streamed=90)
+QUICK = Size(groups=6, length=4, streamed=24)
 
 
 def to_gray(rgb: NDArray[np.uint8]) -> Gray:
@@ -49,27 +57,29 @@ class Sample:
             yield from zip(group, group[1:])
 
 
-def starts(count: int) -> list[int]:
-    if count <= GROUPS * LENGTH:
-        return list(range(0, count, LENGTH))
-    return [round(i * (count - LENGTH) / (GROUPS - 1)) for i in range(GROUPS)]
+def starts(count: int, size: Size) -> list[int]:
+    if count <= size.groups * size.length:
+        return list(range(0, count, size.length))
+    return [round(i * (count - size.length) / (size.groups - 1)) for i in range(size.groups)]
 
 
-def take(source: Source) -> Sample:
+def take(source: Source, size: Size = THOROUGH) -> Sample:
     unreadable: list[str] = []
     sample = Sample(source.camera, [], np.zeros(0, np.int64), source.ground_truth)
     if isinstance(source, (FolderSource, ListedSource)):
-        for start in starts(len(source)):
+        for start in starts(len(source), size):
             group: list[Frame] = []
-            for index in range(start, min(start + LENGTH, len(source))):
+            for index in range(start, min(start + size.length, len(source))):
                 try:
                     group.append(source[index])
                 except Error as error:
                     unreadable.append(str(error))
             sample.groups.append(group)
     else:
-        frames = list(islice(iter(source), STREAMED))
-        sample.groups = [frames[i : i + LENGTH] for i in range(0, len(frames), LENGTH)]
+        frames = list(islice(iter(source), size.streamed))
+        sample.groups = [
+            frames[i : i + size.length] for i in range(0, len(frames), size.length)
+        ]
         sample.stamps_ns = np.array([frame.stamp_ns for frame in frames], np.int64)
     if isinstance(source, FolderSource):
         stamps = [source.stamps_ns(i) for i in range(len(source))]

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: MIT
+"""edvo.Slam, and edge detectors written in Python."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Memory, synth
+from numpy.typing import NDArray
+
+import edvo
+
+Frames = list[edvo.Frame]
+
+
+@pytest.fixture(scope="module")
+def interrupted(tmp_path_factory: pytest.TempPathFactory) -> Memory:
+    """There, in the dark, and back: two visits of the same places between which tracking is lost."""
+    folder = synth(
+        tmp_path_factory.mktemp("slam") / "living_room", "--frames", "120", "--scene", "living_room"
+    )  # fmt: skip
+    source = edvo.open_source(folder)
+    there = list(source)[:100]
+    dark = [
+        edvo.Frame(0, np.zeros_like(frame.rgb), np.full_like(frame.depth, np.nan))
+        for frame in there[:12]
+    ]
+    step = there[1].stamp_ns - there[0].stamp_ns
+    frames = [
+        edvo.Frame(there[0].stamp_ns + i * step, frame.rgb, frame.depth)
+        for i, frame in enumerate([*there, *dark, *there[5:25]])
+    ]
+    return Memory(source.camera, frames, None)
+
+
+def track(tracker: edvo.Odometry | edvo.Slam, frames: Frames) -> list[edvo.FrameResult]:
+    return [
+        tracker.process_ns(frame.stamp_ns, frame.decimals, frame.rgb, frame.depth)
+        for frame in frames
+    ]
+
+
+def test_by_hand_it_gives_what_a_run_gives(interrupted: Memory) -> None:
+    slam = edvo.Slam(interrupted.camera)
+    track(slam, interrupted.list)
+    slam.finish()
+    run = edvo.run(interrupted)
+    assert np.array_equal(slam.trajectory().values, run.trajectory.values)
+    assert np.array_equal(slam.keyframes().values, run.keyframes.values)
+    assert [(link.first, link.second, link.status) for link in slam.links()] == [
+        (link.first, link.second, link.status) for link in run.links
+    ]
+
+
+def test_places_seen_again_join_segments(interrupted: Memory) -> None:
+    slam = edvo.Slam(interrupted.camera)
+    results = track(slam, interrupted.list)
+    assert results[-1].segment == 1 and len(slam.segments()) == 2
+    assert slam.links() == []
+    slam.finish()
+    assert any(link.accepted for link in slam.links())
+    (whole,) = slam.segments()
+    assert len(whole) == len(slam.trajectory())
+    # The second visit shows the images of the first, so that the poses must be equal.
+    first, second = whole.poses[5:25], whole.poses[-20:]
+    assert np.abs(first - second).max() < 0.01
+    link = next(link for link in slam.links() if link.accepted)
+    assert link.first_from_second.shape == (4, 4) and link.information.shape == (6, 6)
+    again = pickle.loads(pickle.dumps(link))
+    assert again.status == "accepted" and np.array_equal(again.information, link.information)
+    slam.reset()
+    assert len(slam.trajectory()) == 0 and slam.links() == []
+
+
+def test_a_run_can_be_pickled(interrupted: Memory) -> None:
+    run = edvo.run(Memory(interrupted.camera, interrupted.list[:8], None))
+    again = pickle.loads(pickle.dumps(run))
+    assert np.array_equal(again.trajectory.values, run.trajectory.values)
+    assert again.counts == run.counts and again.source.camera == run.source.camera
+    assert [result.status for result in again.frames] == [result.status for result in run.frames]
+
+
+def test_a_method_without_keyframes_is_refused(camera: edvo.Camera) -> None:
+    with pytest.raises(edvo.Error, match="edvo.Odometry") as caught:
+        edvo.Slam(camera, method="origin")
+    assert caught.value.code == 4
+
+
+class Gradients(edvo.EdgeDetector):
+    """Strong where the grey levels change."""
+
+    def __init__(self) -> None:
+        self.calls: list[str] = []
+
+    def strength(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+        self.calls.append(threading.current_thread().name)
+        grey = rgb.astype(np.float32).mean(axis=2)
+        dy, dx = np.gradient(grey)
+        return np.clip(np.hypot(dx, dy) / 32, 0, 1).astype(np.float32)
+
+
+@pytest.mark.parametrize("kind", [edvo.Odometry, edvo.Slam])
+def test_an_own_detector_finds_the_edges(
+    kind: type[edvo.Odometry | edvo.Slam], camera: edvo.Camera, frames: Frames
+) -> None:
+    detector = Gradients()
+    results = track(kind(camera, detector=detector), frames[:20])
+    assert all(result.ok for result in results)
+    assert len(detector.calls) >= 1
+    others = track(kind(camera), frames[:20])
+    assert not np.array_equal(results[-1].pose, others[-1].pose)
+    assert np.abs(results[-1].pose - others[-1].pose).max() < 0.01
+
+
+def test_an_own_detector_gives_the_same_bits_each_time_also_in_a_run(
+    sequence: Path, camera: edvo.Camera, frames: Frames
+) -> None:
+    detector = Gradients()
+    run = edvo.run(sequence, detector=detector, max_frames=20, threads=3)
+    assert run.tracked == 20 and len(detector.calls) >= 1
+    slam = edvo.Slam(camera, detector=Gradients())
+    track(slam, frames[:20])
+    slam.finish(threads=1)
+    assert np.array_equal(slam.trajectory().values, run.trajectory.values)
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "message"),
+    [
+        (np.zeros((2, 2), np.float32), ValueError, "shape"),
+        (np.zeros((240, 320), np.uint8), TypeError, "floats"),
+        (np.full((240, 320), 2.0), ValueError, r"\[0, 1\]"),
+        (np.full((240, 320), np.nan), ValueError, r"\[0, 1\]"),
+        ([[0.0]], TypeError, "numpy array"),
+        (RuntimeError, RuntimeError, "no licence"),
+    ],
+)
+def test_a_detector_that_fails_is_the_cause_of_an_error(
+    given: object, error: type[Exception], message: str, camera: edvo.Camera, frames: Frames
+) -> None:
+    class Broken(edvo.EdgeDetector):
+        def strength(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+            if isinstance(given, type):
+                raise given("no licence")
+            return given  # type: ignore[return-value]
+
+    for attempt in (
+        lambda: track(edvo.Odometry(camera, detector=Broken()), frames[:3]),
+        lambda: edvo.run(Memory(camera, frames[:3], None), detector=Broken()),
+    ):
+        with pytest.raises(edvo.Error, match=message) as caught:
+            attempt()
+        assert caught.value.code == 6 and isinstance(caught.value.__cause__, error)
+
+
+def test_ctrl_c_in_a_detector_is_ctrl_c(camera: edvo.Camera, frames: Frames) -> None:
+    class Stopped(edvo.EdgeDetector):
+        def strength(self, rgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        track(edvo.Odometry(camera, detector=Stopped()), frames[:3])
