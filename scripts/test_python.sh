@@ -20,6 +20,8 @@ prepare() {
   "$python" -m pip install --quiet wheel setuptools tomli
   mapfile -t requirements < <("$python" scripts/requirements.py test)
   "$python" -m pip install --quiet "${requirements[@]}"
+  # Of use only; its tests are left out where it is missing.
+  "$python" -m pip install --quiet 'snakemake>=8' || true
 }
 
 prepare
