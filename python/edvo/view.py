@@ -97,8 +97,8 @@ SERVER: list[subprocess.Popen[bytes]] = []
 def serve_pages() -> None:
     """Rerun's server and page, in a process of their own that ends with this one."""
     command = [
-        sys.executable, "-m", "rerun", "--serve-web", "--bind", "127.0.0.1",
-        "--port", str(GRPC_PORT), "--web-viewer-port", str(WEB_PORT),
+        *rerun_program(), "--serve-web", "--bind", "127.0.0.1", "--port", str(GRPC_PORT),
+        "--web-viewer-port", str(WEB_PORT),
     ]  # fmt: skip
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     SERVER.append(server)
@@ -110,6 +110,14 @@ def serve_pages() -> None:
         file=sys.stderr,
         flush=True,
     )
+
+
+def rerun_program() -> list[str]:
+    """Rerun's own program: that of `python -m rerun` is a child, which would outlive its end."""
+    import rerun_cli
+
+    program = Path(rerun_cli.__file__).parent / "rerun"
+    return [str(program)] if program.is_file() else [sys.executable, "-m", "rerun"]
 
 
 def wait_for_pages() -> None:
@@ -322,7 +330,7 @@ def show_file(file: Path) -> None:
     rerun()
     if not file.is_file():
         raise Error(f"{file}: no such file", 3)
-    command = [sys.executable, "-m", "rerun", str(file)]
+    command = [*rerun_program(), str(file)]
     if not has_display():
         command += ["--serve-web", "--bind", "127.0.0.1"]
         command += ["--web-viewer-port", str(WEB_PORT), "--port", str(GRPC_PORT)]

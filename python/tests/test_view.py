@@ -110,6 +110,8 @@ def test_a_viewer_killed_on_the_way_ends_nothing(
     run = edvo.run(sequence, observers=[watcher, Killer()], max_frames=30)
     run.write(tmp_path)
     assert trajectory(tmp_path) == trajectory(plain)
+    with pytest.raises(OSError):  # it was the viewer that was killed, not something before it
+        urllib.request.urlopen("http://127.0.0.1:19090/", timeout=2)
 
 
 def test_an_observer_that_fails_inside_says_so_and_goes_on(
