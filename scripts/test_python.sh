@@ -22,6 +22,7 @@ prepare() {
   "$python" -m pip install --quiet "${requirements[@]}"
   # Of use only; its tests are left out where it is missing.
   "$python" -m pip install --quiet 'snakemake>=8' || true
+  "$python" -m pip install --quiet 'mkdocs-material>=9.5'
 }
 
 prepare
@@ -35,6 +36,7 @@ CMAKE_BUILD_PARALLEL_LEVEL=$(parallel_jobs) \
   "$python" -m pip install --quiet --no-build-isolation '.[test]'
 
 "$python" -m mypy --config-file pyproject.toml
+scripts/site.sh
 program=build/bin/edvo
 [[ -x $program ]] && export EDVO_PROGRAM=$PWD/$program
 exec "$python" -m pytest -q -p no:cacheprovider "$@"
