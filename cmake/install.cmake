@@ -5,6 +5,9 @@ set(edvo_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/edvo)
 
 if(TARGET edvo_app)
   install(TARGETS edvo_app COMPONENT program)
+  install(FILES ${edvo_manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+  install(FILES ${edvo_completion} RENAME edvo COMPONENT program
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 endif()
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/edvoConfig.cmake.in

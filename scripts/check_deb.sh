@@ -25,6 +25,8 @@ chroot "$root" bash -euc '
   apt-get -q update >/dev/null
   apt-get -qy install --no-install-recommends ./edvo_*.deb >install.log || { cat install.log; exit 1; }
   edvo --version
+  test -s /usr/share/man/man1/edvo.1
+  bash -n /usr/share/bash-completion/completions/edvo
   edvo demo --quiet -o demo
   test -s demo/report.html
   apt-get -qy install --no-install-recommends ./libedvo-dev_*.deb cmake g++ ninja-build >>install.log ||

@@ -38,9 +38,10 @@ int status_of(const BenchResult& result) {
   return 0;
 }
 
-void bench(const Arguments& arguments) {
+void bench(const Arguments& arguments, const Extension& extension) {
   BenchManifest manifest = read_manifest(
-      arguments.manifest, {.data = arguments.data, .with_peers = !arguments.no_peers});
+      arguments.manifest,
+      {.data = arguments.data, .with_peers = !arguments.no_peers, .pull = extension.pull});
   if (!arguments.output.empty()) manifest.output = arguments.output;
   if (arguments.repeats > 0) manifest.repeats = arguments.repeats;
   if (arguments.max_frames > 0)
@@ -58,7 +59,7 @@ void bench(const Arguments& arguments) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& program) {
+void add_bench_command(CLI::App& program, const Extension& extension) {
   constexpr int kMostRepeats = 1000, kMostThreads = 256;
   constexpr std::int64_t kMostFrames = 1'000'000'000;
   const auto arguments = std::make_shared<Arguments>();
@@ -101,7 +102,7 @@ void add_bench_command(CLI::App& program) {
       ->check(CLI::IsMember(formats))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Same as --format json");
-  command->callback([arguments] { bench(*arguments); });
+  command->callback([arguments, &extension] { bench(*arguments, extension); });
 }
 
 }  // namespace edvo::app

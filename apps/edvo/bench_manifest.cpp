@@ -24,6 +24,7 @@ struct Reader : TomlFile {
   fs::path base, data;  // of relative paths: its own and the data's
   bool with_peers = true;
   std::vector<std::string> warnings;
+  std::function<fs::path(const std::string&)> pull;
 };
 
 // --- values -------------------------------------------------------------------------------------
@@ -150,17 +151,36 @@ std::vector<BenchPeer> read_peers(Reader& reader, const toml::table& sequence,
   return peers;
 }
 
+// What 'path' names; else what 'pull' names, which may have to be fetched.
+fs::path sequence_path(const Reader& reader, const toml::table& table) {
+  const std::optional<std::string> name = find_text(reader, table, "pull");
+  if (!name) {
+    const std::optional<fs::path> path = find_path(reader, table, "path");
+    if (!path) refuse(reader, table, "'path' is missing");
+    return *path;
+  }
+  if (const std::optional<std::string> path = find_text(reader, table, "path")) {
+    fs::path place = (reader.data / *path).lexically_normal();
+    std::error_code error;
+    if (fs::exists(place, error)) return place;
+  }
+  if (!reader.pull)
+    refuse(reader, *table.get("pull"),
+           fmt::format("{} is not below {}; the Python package's edvo downloads it", *name,
+                       reader.data.string()));
+  return reader.pull(*name);
+}
+
 BenchSequence read_sequence(Reader& reader, const toml::table& table,
                             const std::vector<BenchSystem>& systems) {
-  check_keys(reader, table,
-             {"name", "path", "ground_truth", "camera", "depth_scale", "max_frames", "peer"});
+  check_keys(
+      reader, table,
+      {"name", "path", "ground_truth", "camera", "depth_scale", "max_frames", "peer", "pull"});
   BenchSequence sequence{
       .name = text(reader, table, "name"), .choice = {}, .truth = {}, .peers = {}};
-  const std::optional<fs::path> path = find_path(reader, table, "path");
-  if (!path) refuse(reader, table, "'path' is missing");
   constexpr std::int64_t kMostFrames = 1'000'000'000;
   sequence.choice = {
-      .path = *path,
+      .path = sequence_path(reader, table),
       .camera_file = find_path(reader, table, "camera"),
       .camera_size = {},
       .depth_scale = find_positive(reader, table, "depth_scale"),
@@ -181,7 +201,8 @@ BenchManifest read_manifest(const fs::path& file, const ManifestOptions& options
                 base,
                 options.data.empty() ? base : fs::absolute(options.data),
                 options.with_peers,
-                {}};
+                {},
+                options.pull};
   check_keys(reader, root, {"output", "methods", "repeats", "published", "sequence", "variant"});
 
   BenchManifest manifest{.file = file,

@@ -8,6 +8,7 @@
 #include "sequence_input.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,8 @@ struct BenchManifest {
 struct ManifestOptions {
   std::filesystem::path data;  // where relative paths of data start, empty = beside the manifest
   bool with_peers = true;
+  // Where the public sequence of a name is, fetched if it is missing; null = nothing is fetched.
+  std::function<std::filesystem::path(const std::string&)> pull = nullptr;
 };
 
 // Throws Error(kConfig) "file:line: ..." at whatever is unknown, of the wrong type, missing or said

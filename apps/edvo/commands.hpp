@@ -14,11 +14,12 @@ void add_run_command(CLI::App& program, const Extension& extension);
 void add_eval_command(CLI::App& program);
 void add_demo_command(CLI::App& program, const Extension& extension);
 void add_synth_command(CLI::App& program);
-void add_bench_command(CLI::App& program);
+void add_bench_command(CLI::App& program, const Extension& extension);
 void add_edges_command(CLI::App& program);
 void add_models_command(CLI::App& program);
 void add_config_command(CLI::App& program);
 void add_cache_command(CLI::App& program);
+void add_manual_commands(CLI::App& program);
 
 // A verb of the extension: all words after its name are its own.
 void add_extension_verb(CLI::App& program, const Extension::Verb& verb);

@@ -11,7 +11,7 @@
 namespace edvo::app {
 
 void add_config_command(CLI::App& program) {
-  CLI::App* verb = program.add_subcommand("config", "print the resolved options as TOML");
+  CLI::App* verb = program.add_subcommand("config", "Print the resolved options as TOML");
   const auto flags = std::make_shared<ConfigFlags>();
   add_config_flags(*verb, *flags);
   verb->callback([flags] { print("{}", to_toml(resolve_config(*flags))); });

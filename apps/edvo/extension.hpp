@@ -6,6 +6,7 @@
 #include "edvo/source/rgbd_source.hpp"
 #include "sequence_input.hpp"
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -35,6 +36,8 @@ struct Extension {
   // What looks wrong with a recording that was opened, gravest first, each with what mends it.
   // Null: no one looks.
   std::function<std::vector<std::string>(const SequenceChoice&, const Values&)> examine;
+  // Where the public sequence of a name is, fetched if it is missing. Null: nothing is fetched.
+  std::function<std::filesystem::path(const std::string&)> pull;
   // A null result: no one watches.
   std::function<std::unique_ptr<Observer>(const Values&)> make_observer;
 };

@@ -26,13 +26,21 @@ void add_verbs(CLI::App& program, const Extension& extension) {
   add_demo_command(program, extension);
   add_synth_command(program);
   add_eval_command(program);
-  add_bench_command(program);
+  add_bench_command(program, extension);
   add_edges_command(program);
   add_models_command(program);
   add_config_command(program);
   add_cache_command(program);
   for (const Extension::Verb& verb : extension.verbs) add_extension_verb(program, verb);
+  add_manual_commands(program);
 }
+
+constexpr const char* kExamples = R"(Examples:
+  edvo demo                                 something to look at, without any data
+  edvo run rgbd_dataset_freiburg1_xyz       a folder; also a .tgz or .zip
+  edvo run FOLDER --camera camera.yaml --depth-scale 1000
+  edvo eval groundtruth.txt trajectory.tum  ATE and RPE of any system
+  edvo help run                             all options of a verb)";
 
 int fail(const Error& error) {
   say("edvo: {}\n", error.what());
@@ -60,6 +68,7 @@ int run_verb(int argc, char** argv, const Extension& extension) {
   program.require_subcommand(1);
   program.set_version_flag("--version", "edvo " + this_machine().edvo);
   add_verbs(program, extension);
+  program.footer(kExamples);  // last: verbs take over what is there before them
   const std::vector<std::string> arguments = arguments_of(program, argc, argv);
   try {
     parse(program, arguments);

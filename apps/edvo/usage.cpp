@@ -10,7 +10,8 @@ namespace {
 
 std::vector<std::string> verbs_of(const CLI::App& program) {
   std::vector<std::string> names;
-  for (const CLI::App* verb : program.get_subcommands([](const CLI::App*) { return true; }))
+  for (const CLI::App* verb :
+       program.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); }))
     names.push_back(verb->get_name());
   return names;
 }
@@ -28,9 +29,12 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
                     const std::string& first_word) {
   const auto chosen = program.get_subcommands();
   if (chosen.empty()) {
-    if (first_word.empty() || first_word.starts_with('-'))
-      return fmt::format("{}; see edvo --help", error.what());
     const std::vector<std::string> verbs = verbs_of(program);
+    if (first_word.empty())
+      return fmt::format("what shall it do? ({}); see edvo --help", fmt::join(verbs, ", "));
+    if (first_word.starts_with('-'))
+      return fmt::format("unknown option '{}'{} See edvo --help", first_word,
+                         did_you_mean(first_word, options_of(program)));
     return fmt::format("unknown verb '{}'{} (known: {})", first_word,
                        did_you_mean(first_word, verbs), fmt::join(verbs, ", "));
   }

@@ -114,6 +114,13 @@ class Host:
             findings.append("doctor: edvo doctor tells more; --no-doctor leaves this out")
         return findings
 
+    def pull(self, name: str) -> str:
+        """Where a public sequence is, downloaded if it is missing."""
+        from edvo import pulling
+
+        print(f"edvo: {name}", file=sys.stderr, flush=True)
+        return str(pulling.pull(name))
+
     def make_observers(self, values: dict[str, str]) -> list[Observer]:
         observers: list[Observer] = []
         if "--view" in values or "--record" in values:

@@ -12,6 +12,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -87,6 +88,13 @@ Words examine(const nb::object& host, const app::SequenceChoice& choice,
   return findings;
 }
 
+std::filesystem::path pull(const nb::object& host, const std::string& name) {
+  const nb::gil_scoped_acquire gil;
+  std::filesystem::path place;
+  rethrow_python_errors([&] { place = nb::cast<std::string>(host.attr("pull")(name)); });
+  return place;
+}
+
 std::unique_ptr<Observer> make_observer(const nb::object& host,
                                         const app::Extension::Values& values) {
   const nb::gil_scoped_acquire gil;
@@ -118,6 +126,7 @@ app::Extension extension_of(const nb::object& host) {
           [&host](const app::SequenceChoice& choice, const app::Extension::Values& values) {
             return examine(host, choice, values);
           },
+      .pull = [&host](const std::string& name) { return pull(host, name); },
       .make_observer =
           [&host](const app::Extension::Values& values) { return make_observer(host, values); }};
   for (const nb::handle item : host.attr("verbs")) {

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -90,3 +91,51 @@ def test_ctrl_c_ends_a_run_and_keeps_what_was_done(sequence: Path, tmp_path: Pat
     command = [sys.executable, "-c", code, str(sequence)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.returncode, result.stdout) == (0, "python again\n"), result.stderr
+
+
+def completed(*words: str) -> list[str]:
+    """What bash offers for the last of the words."""
+    script = edvo_command("completion").stdout
+    line = " ".join(f"'{word}'" for word in words)
+    script += f"\nCOMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; _edvo; echo \"${{COMPREPLY[@]}}\"\n"
+    result = subprocess.run(["bash"], input=script, capture_output=True, text=True, check=True)
+    assert result.stderr == ""
+    return result.stdout.split()
+
+
+def test_bash_completes_verbs_options_and_choices() -> None:
+    assert set(completed("edvo", "")) >= {"run", "doctor", "pull", "help", "--version"}
+    assert completed("edvo", "dem") == ["demo"]
+    assert completed("edvo", "help", "synt") == ["synth"]
+    assert completed("edvo", "run", "--max") == ["--max-frames"]
+    assert "--depth-topic" in completed("edvo", "run", "--dep")
+    assert completed("edvo", "run", "--method", "canny") == ["canny+corner", "canny"]
+    assert completed("edvo", "eval", "--format", "mark") == ["markdown"]
+    assert "verify" in completed("edvo", "models", "")
+    assert completed("edvo", "run", "some-folder") == []  # left to bash: names of files
+
+
+def test_the_man_page_has_every_option_of_the_help() -> None:
+    page = edvo_command("manual").stdout.replace("\\-", "-")
+    for verb in ("run", "demo", "synth", "eval", "bench", "edges", "config"):
+        text = edvo_command("help", verb).stdout
+        assert f"\n.SS {verb}\n" in page
+        for word in text.split():
+            if word.startswith("--") and word[2:].replace("-", "").isalpha():
+                assert word in page, (verb, word)
+    assert ".SH EXAMPLES" in page and "edvo run rgbd_dataset_freiburg1_xyz" in page
+    if shutil.which("groff"):
+        command = ["groff", "-man", "-ww", "-Tutf8"]
+        result = subprocess.run(command, input=page, capture_output=True, text=True, check=False)
+        assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_help_and_version_are_words_too() -> None:
+    assert edvo_command("--version").stdout == f"edvo {edvo.__version__}\n"
+    assert edvo_command("help").stdout == edvo_command("--help").stdout
+    assert edvo_command("help", "run").stdout == edvo_command("run", "--help").stdout
+    assert "Examples:" in edvo_command("--help").stdout
+    assert "Examples:" not in edvo_command("run", "--help").stdout
+    nothing = edvo_command()
+    assert nothing.returncode == 2 and "see edvo --help" in nothing.stderr
+    assert "unknown option '--versoin'" in edvo_command("--versoin").stderr

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import tarfile
 import threading
 import time
 from collections.abc import Iterator
@@ -212,3 +214,55 @@ def test_the_command_lists_explains_and_prints_the_place(
     assert any(line.split() == [NAME, "there", "CC", "BY", "4.0"] for line in lines)
     assert any(line.startswith("dexined") for line in lines)
     assert main(["pull", "tum/fr1/xzy"]) == 2
+
+
+def test_the_papers_benchmark_pulls_what_is_missing(
+    server: Server,
+    sequence: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    manifest = Path(__file__).parents[2] / "benchmarks" / "paper.toml"
+    names = [
+        line.split('"')[1] for line in manifest.read_text().splitlines() if line.startswith("pull")
+    ]
+    assert len(names) == 8 and set(names) <= set(pulling.known_items())
+    archive = tmp_path / "sequence.tgz"
+    with tarfile.open(archive, "w:gz") as out:
+        out.add(sequence, "sequence")
+    server.body, server.cuts = archive.read_bytes(), [100_000]
+    # One is there, as the benchmark's own archives unpack; the others are served.
+    data = tmp_path / "data"
+    data.mkdir()
+    (data / "rgbd_dataset_freiburg1_xyz").symlink_to(sequence)
+    monkeypatch.setattr(
+        pulling,
+        "known_items",
+        lambda: {
+            name: pulling.Item(name, (f"{server.url}/{name.replace('/', '_')}.tgz",), "-")
+            for name in names
+        },
+    )
+    words = ["bench", str(manifest), "--data", str(data), "-o", str(tmp_path / "out")]
+    words += ["--max-frames", "6", "--no-report", "--quiet"]
+    assert main([*words, "--json"]) == 0
+    report = json.loads(capfd.readouterr().out)
+    assert ["tum/" + row["name"] for row in report["sequences"]] == names
+    assert all(row["paper"] is not None for row in report["sequences"])
+    assert all(
+        system["state"] == "done" for row in report["sequences"] for system in row["systems"]
+    )
+    assert len(server.ranges) == 7 + 1  # one of which was cut
+    server.ranges.clear()
+    assert main(words) == 0 and server.ranges == []
+
+
+def test_without_python_a_benchmark_says_who_downloads(tmp_path: Path) -> None:
+    from edvo import _core
+
+    manifest = tmp_path / "some.toml"
+    manifest.write_text(
+        'methods = ["canny"]\n[[sequence]]\nname = "a"\npull = "tum/fr1/xyz"\n', encoding="utf-8"
+    )
+    assert _core.main(["edvo", "bench", str(manifest)]) == 4
