@@ -36,6 +36,18 @@ TEST(PlyFile, HasAHeaderAndFifteenBytesPerPoint) {
   EXPECT_EQ(std::memcmp(bytes.data() + begin, first, sizeof first), 0);
 }
 
+TEST(PlyFile, AMeshHasThirteenBytesPerTriangleBehindItsVertices) {
+  const test::TemporaryFolder folder;
+  const Mesh mesh{.vertices = std::vector<ColoredPoint>(3), .triangles = {{0, 2, 1}}};
+  write_mesh(folder.path() / "mesh.ply", mesh);
+  const std::string bytes = bytes_of(folder.path() / "mesh.ply");
+  EXPECT_THAT(bytes, HasSubstr("element vertex 3\n"));
+  EXPECT_THAT(bytes, HasSubstr("element face 1\nproperty list uchar int vertex_indices\n"));
+  const unsigned char face[13] = {3, 0, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0};
+  ASSERT_GT(bytes.size(), sizeof face);
+  EXPECT_EQ(std::memcmp(bytes.data() + bytes.size() - sizeof face, face, sizeof face), 0);
+}
+
 TEST(PlyFile, MayHoldNoPoint) {
   const test::TemporaryFolder folder;
   write_ply(folder.path() / "points.ply", {});

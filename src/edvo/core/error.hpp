@@ -19,6 +19,7 @@ enum class ErrorCode {
   kEvaluation = 8,    // trajectories that cannot be compared: no overlap, too few poses
   kTrackingLost = 9,  // the run ended with no pose at all
   kResources = 10,    // the system gives no more memory, threads or open files
+  kMap = 11,          // map: damaged, newer, in use, of another camera, or of another place
 };
 
 // Thrown with a message of the form "where: what, value; how to mend it".

@@ -76,19 +76,39 @@ void LineFile::append(std::string_view line) {
   whole_bytes_ += static_cast<std::int64_t>(with_end.size());
 }
 
-void write_whole(const fs::path& path, std::string_view content) {
-  fs::path unfinished = path;
-  unfinished += ".part";
-  const int descriptor = open_for_writing(unfinished);
-  int error = write_all(descriptor, content);
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)), unfinished_(path_) {
+  unfinished_ += ".part";
+  descriptor_ = open_for_writing(unfinished_);
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(unfinished_.c_str());
+}
+
+void WholeFile::append(std::string_view bytes) {
+  if (const int error = write_all(descriptor_, bytes); error != 0) fail(error);
+}
+
+void WholeFile::commit() {
   // Some file systems report a full disk or a lost server only here.
-  if (error == 0 && ::fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS) error = errno;
-  if (::close(descriptor) != 0 && error == 0) error = errno;
-  if (error == 0 && ::rename(unfinished.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(unfinished.c_str());
-    throw write_error(path, error);
-  }
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0 ||
+      ::rename(unfinished_.c_str(), path_.c_str()) != 0)
+    fail(errno);
+}
+
+void WholeFile::fail(int error_number) {
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+  ::unlink(unfinished_.c_str());
+  throw write_error(path_, error_number);
+}
+
+void write_whole(const fs::path& path, std::string_view content) {
+  WholeFile file(path);
+  file.append(content);
+  file.commit();
 }
 
 void make_folder(const fs::path& folder, std::string_view remedy) {

@@ -28,12 +28,33 @@ class LineFile {
   std::int64_t whole_bytes_ = 0;  // length of the whole lines
 };
 
+// A file that appears whole or not at all: it is written beside its place, and moved there by
+// commit(). Until then, and where that fails, the file that was there stays.
+class WholeFile {
+ public:
+  // Throws Error(kOutput) naming the file, as the members do.
+  explicit WholeFile(std::filesystem::path path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  void append(std::string_view bytes);
+
+  // When this returns, all is on the disk and at its path. Call it once, the last.
+  void commit();
+
+ private:
+  [[noreturn]] void fail(int error_number);
+
+  std::filesystem::path path_, unfinished_;
+  int descriptor_ = -1;
+};
+
 // Creates the folder and its parents. Throws Error(kOutput) naming the folder, with the remedy at
 // the end of the message.
 void make_folder(const std::filesystem::path& folder, std::string_view remedy = {});
 
-// Replaces the file by the content. Throws Error(kOutput) and leaves the file as it was if it
-// cannot be written.
+// Replaces the file by the content, as WholeFile does.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace edvo
