@@ -15,13 +15,14 @@ class LinkSearch {
  public:
   LinkSearch(const std::vector<Place>& places, std::span<const MapKeyframe> map,
              const Camera& camera, const AlignOptions& tracking, const LinkOptions& links,
-             const LoopOptions& loops, int threads)
+             const LoopOptions& loops, int threads, std::size_t first_new)
       : places_(places),
         map_(map),
         camera_(camera),
         tracking_(tracking),
         links_(links),
         loops_(loops),
+        first_new_(first_new),
         signatures_(places.size()) {
     for_each_index(static_cast<int>(places.size()), threads, [&](int i) {
       signatures_[static_cast<std::size_t>(i)] =
@@ -59,9 +60,9 @@ class LinkSearch {
     std::vector<PlaceMatch> chosen;
     const auto most = static_cast<std::size_t>(loops_.place_candidates);
     const std::int64_t id = places_[to].id;
-    for (const PlaceMatch& match :
-         index_.search(signatures_[to].code, static_cast<std::int64_t>(to),
-                       8 * most + static_cast<std::size_t>(loops_.recent))) {
+    for (const PlaceMatch& match : index_.search(
+             signatures_[to].code, static_cast<std::int64_t>(first_new_ > 0 ? first_new_ : to),
+             8 * most + static_cast<std::size_t>(loops_.recent))) {
       if (chosen.size() == most || match.similarity < loops_.min_similarity) break;
       const std::int64_t other = places_[static_cast<std::size_t>(match.id)].id;
       if (key(other).segment == key(id).segment && id - other <= loops_.recent) continue;
@@ -119,6 +120,7 @@ class LinkSearch {
   AlignOptions tracking_;
   LinkOptions links_;
   LoopOptions loops_;
+  std::size_t first_new_;
   std::vector<PlaceSignature> signatures_;
   PlaceIndex index_;  // by position in places_
 };
@@ -128,11 +130,12 @@ class LinkSearch {
 std::vector<LinkReport> find_links(const std::vector<Place>& places,
                                    std::span<const MapKeyframe> map, const Camera& camera,
                                    const AlignOptions& tracking, const LinkOptions& links,
-                                   const LoopOptions& loops, int threads) {
-  const LinkSearch search(places, map, camera, tracking, links, loops, threads);
+                                   const LoopOptions& loops, int threads, std::size_t first_new) {
+  const LinkSearch search(places, map, camera, tracking, links, loops, threads, first_new);
   std::vector<std::vector<LinkReport>> found(places.size());
   for_each_index(static_cast<int>(places.size()), threads, [&](int i) {
-    found[static_cast<std::size_t>(i)] = search.links_of(static_cast<std::size_t>(i));
+    const auto place = static_cast<std::size_t>(i);
+    if (place >= first_new) found[place] = search.links_of(place);
   });
   std::vector<LinkReport> all;
   for (const std::vector<LinkReport>& reports : found)

@@ -36,11 +36,13 @@ void visit_fields(Self& self, Visitor&& visit) {
 }
 
 // What became of each candidate, keyframe by keyframe. places, in the order of their keyframes;
-// map: of all keyframes, by id. The same for any number of threads.
+// map: of all keyframes, by id. first_new: places before it are an earlier map, in which those from
+// it on are looked for, and nowhere else; 0 = each is looked for in all before it. The same for any
+// number of threads.
 [[nodiscard]] std::vector<LinkReport> find_links(const std::vector<Place>& places,
                                                  std::span<const MapKeyframe> map,
                                                  const Camera& camera, const AlignOptions& tracking,
                                                  const LinkOptions& links, const LoopOptions& loops,
-                                                 int threads);
+                                                 int threads, std::size_t first_new = 0);
 
 }  // namespace edvo

@@ -93,6 +93,16 @@ void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>&
       link.status = LinkStatus::kAlone;
 }
 
+Matrix6d step_information(const OdometryStep& step) {
+  return weaken(step.information, kStepSigma, kStepSigma);
+}
+
+void weaken_link(LinkReport& link) {
+  link.information =
+      weaken(link.information, kLinkSigma + kLinkShare * link.from_pose_to.translation.norm(),
+             kLinkSigma + kLinkShare * rotation_angle(link.from_pose_to));
+}
+
 void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
                  std::vector<LinkReport>& links) {
   PoseGraph graph;
@@ -109,13 +119,11 @@ void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<Odometry
     add(step.from, step.to,
         inverse(at(keyframes, step.from).world_from_camera) *
             at(keyframes, step.to).world_from_camera,
-        weaken(step.information, kStepSigma, kStepSigma), LinkKind::kOdometry);
+        step_information(step), LinkKind::kOdometry);
   std::vector<LinkReport*> used;
   for (LinkReport& link : links) {
     if (link.status != LinkStatus::kAccepted) continue;
-    const double translation = kLinkSigma + kLinkShare * link.from_pose_to.translation.norm();
-    const double rotation = kLinkSigma + kLinkShare * rotation_angle(link.from_pose_to);
-    link.information = weaken(link.information, translation, rotation);
+    weaken_link(link);
     add(link.from, link.to, link.from_pose_to, link.information, LinkKind::kLoop);
     used.push_back(&link);
   }

@@ -20,6 +20,12 @@ struct OdometryStep {
   Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi), as tracked
 };
 
+// With what tracking does not tell added.
+[[nodiscard]] Matrix6d step_information(const OdometryStep& step);
+
+// Adds to a link's sigmas what alignment does not tell.
+void weaken_link(LinkReport& link);
+
 // Moves keyframes to where the odometry's steps and accepted links agree best. Links that
 // contradict the others become kCycle. Changes no pose if no link holds. keyframes: by id.
 void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,

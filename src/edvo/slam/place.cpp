@@ -21,9 +21,20 @@ cv::Mat_<float> full_depth(const Place& place) {
   return depth;
 }
 
+cv::Mat_<cv::Vec2b> make_half_chroma(const cv::Mat_<cv::Vec3b>& bgr) {
+  cv::Mat_<cv::Vec3b> half((bgr.rows + 1) / 2, (bgr.cols + 1) / 2);
+  for (int y = 0; y < half.rows; ++y)
+    for (int x = 0; x < half.cols; ++x) half(y, x) = bgr(2 * y, 2 * x);
+  cv::cvtColor(half, half, cv::COLOR_BGR2YCrCb);
+  cv::Mat_<cv::Vec2b> chroma(half.size());
+  for (int y = 0; y < half.rows; ++y)
+    for (int x = 0; x < half.cols; ++x) chroma(y, x) = {half(y, x)[1], half(y, x)[2]};
+  return chroma;
+}
+
 }  // namespace
 
-Place make_place(const Keyframe& keyframe) {
+Place make_place(const Keyframe& keyframe, bool keep_colour) {
   constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();
   Place place{.id = keyframe.id, .stamp = keyframe.stamp, .gray = keyframe.gray};
   const cv::Mat_<float>& depth = keyframe.depth;
@@ -34,6 +45,7 @@ Place make_place(const Keyframe& keyframe) {
       place.half_depth(y, x) =
           steps > 0 && steps <= kMostSteps ? static_cast<std::uint16_t>(steps) : 0;
     }
+  if (keep_colour) place.half_chroma = make_half_chroma(keyframe.bgr);
   place.points.reserve(keyframe.points.size());
   for (const ColoredPoint& point : keyframe.points) place.points.push_back(point.position);
   return place;

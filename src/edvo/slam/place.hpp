@@ -15,12 +15,13 @@ struct Place {
   Stamp stamp;
   cv::Mat_<std::uint8_t> gray;          // H x W, shared with the keyframe
   cv::Mat_<std::uint16_t> half_depth;   // of every second pixel [kDepthStep], 0 = none
+  cv::Mat_<cv::Vec2b> half_chroma;      // of every second pixel (Cr, Cb); empty = not kept
   std::vector<Eigen::Vector3f> points;  // selected pixels, in its camera [m]
 };
 
 constexpr float kDepthStep = 0.25e-3F;  // [m]
 
-[[nodiscard]] Place make_place(const Keyframe& keyframe);
+[[nodiscard]] Place make_place(const Keyframe& keyframe, bool keep_colour = false);
 
 // The keyframe again, without colour.
 [[nodiscard]] KeyframePtr keyframe_of(const Place& place);

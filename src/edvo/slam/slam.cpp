@@ -43,7 +43,7 @@ void Slam::add_place(const FrameResult& result) {
   if (result.keyframe != *result.new_keyframe)
     steps_.push_back(
         {.from = result.keyframe, .to = *result.new_keyframe, .information = result.information});
-  places_.push_back(make_place(*odometry_.newest_keyframe()));
+  places_.push_back(make_place(*odometry_.newest_keyframe(), slam_.keep_colour));
   if (places_.size() > static_cast<std::size_t>(config_.window.candidate_keyframes))
     drop_one(places_, odometry_.map());
 }

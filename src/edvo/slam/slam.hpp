@@ -15,6 +15,7 @@ namespace edvo {
 struct SlamConfig {
   LoopOptions loops;
   LinkOptions links;
+  bool keep_colour = false;  // of places: for a map that is looked at
 };
 
 // Whether there is anything that Slam could join: methods without a window of keyframes are the
@@ -48,6 +49,13 @@ class Slam {
 
   // What the last finish() found out about each candidate.
   [[nodiscard]] const std::vector<LinkReport>& links() const { return links_; }
+
+  // What a map keeps: keyframes with their images, and the steps between keyframes.
+  [[nodiscard]] const std::vector<Place>& places() const { return places_; }
+  [[nodiscard]] const std::vector<OdometryStep>& steps() const { return steps_; }
+
+  // Takes over poses and segments of all keyframes, by id; after finish().
+  void correct(std::span<const MapKeyframe> keyframes) { odometry_.correct(keyframes); }
 
  private:
   void add_place(const FrameResult& result);
