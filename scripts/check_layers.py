@@ -12,21 +12,21 @@ from pathlib import Path
 HEIGHT = {
     "apps": 12, "python": 12, "benchmarks": 12, "examples": 12,
     "report": 11,
-    "run": 10,
+    "run": 10, "saved_map": 10,
     "slam": 9, "synth": 9, "eval": 9,
     "odometry": 8,
     "map": 7,
     "window": 6,
     "align": 5, "network": 5,
-    "features": 4, "source": 4,
+    "features": 4, "source": 4, "surface": 4,
     "image": 3, "io": 3,
     "core": 2,
     "simd": 1,
 }
 # Never print, never exit.
 SILENT = {"simd", "core", "io", "image", "features", "network", "align", "window", "map", "odometry",
-          "slam", "source", "run"}
-MAY_TOUCH_FILES = {"io", "source", "report"}
+          "slam", "source", "surface", "saved_map", "run"}
+MAY_TOUCH_FILES = {"io", "source", "saved_map", "report"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](edvo/)?([^">]+)[">]')
 PRINTS = re.compile(r"<iostream>|<print>|\bspdlog\b|\bstd::(cout|cerr|clog)\b"

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// An occupancy grid from depth images.
+#pragma once
+
+#include "edvo/core/occupancy_grid.hpp"
+#include "edvo/surface/floor.hpp"
+
+#include <span>
+
+namespace edvo {
+
+struct GridOptions {
+  double resolution = 0.05;  // [m]
+  double lowest = 0.1;       // above the floor: what is lower can be driven over [m]
+  double highest = 1.5;      // above the floor: what is higher can be driven under [m]
+  double max_depth = 4;      // farther points are left out [m]
+  int max_cells = 100'000'000;
+};
+
+// A cell is occupied where rays end between lowest and highest in it clearly more often than they
+// pass through or end on the floor; free in the opposite case; else unknown. The map's first camera
+// looks along x. Throws Error(kResources) if there would be more cells than allowed.
+[[nodiscard]] OccupancyGrid make_grid(std::span<const DepthView> views, const Floor& floor,
+                                      const GridOptions& options = {});
+
+}  // namespace edvo
