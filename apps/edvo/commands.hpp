@@ -17,6 +17,7 @@ void add_synth_command(CLI::App& program);
 void add_bench_command(CLI::App& program, const Extension& extension);
 void add_edges_command(CLI::App& program);
 void add_models_command(CLI::App& program);
+void add_map_command(CLI::App& program);
 void add_config_command(CLI::App& program);
 void add_cache_command(CLI::App& program);
 void add_manual_commands(CLI::App& program);

@@ -29,6 +29,7 @@ void add_verbs(CLI::App& program, const Extension& extension) {
   add_bench_command(program, extension);
   add_edges_command(program);
   add_models_command(program);
+  add_map_command(program);
   add_config_command(program);
   add_cache_command(program);
   for (const Extension::Verb& verb : extension.verbs) add_extension_verb(program, verb);

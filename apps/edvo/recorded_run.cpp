@@ -11,6 +11,7 @@
 #include "edvo/slam/slam.hpp"
 #include "memory.hpp"
 #include "progress.hpp"
+#include "run_map.hpp"
 #include "run_result.hpp"
 #include "stop_signal.hpp"
 
@@ -72,6 +73,9 @@ RunDescription describe_run(const SourceInfo& source, const std::string& method,
 RecordedRun record_run(RgbdSource& source, const RunDescription& description, const Config& config,
                        const RunFlags& flags, const std::optional<GroundTruth>& truth,
                        Observer* watcher) {
+  std::vector<std::string> map_warnings;
+  RunMaps maps(flags, config, description,
+               [&](const std::string& text) { map_warnings.push_back(text); });
   take_memory();
   cv::setNumThreads(std::max(1, flags.threads - 1));  // one thread reads ahead
   Warn warn = [](const std::string&) {};
@@ -91,17 +95,28 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   const RunOptions options{
       .threads = flags.threads, .should_stop = stop_requested, .ground_truth = truth};
   const auto run_with = [&](auto&& tracker) { return run(source, tracker, observers, options); };
+  for (const std::string& text : map_warnings) warn(text);
+  RecordedRun result;
+  const auto run_slam = [&] {
+    SlamInMap slam(description.camera, config,
+                   {.loops = {}, .links = {}, .keep_colour = maps.writes()}, std::move(detector),
+                   maps.origin(), maps.take_earlier(), flags.update_map);
+    RunOutcome outcome = run_with(slam);
+    result.failure = maps.finish(slam, recorder.folder());
+    if (slam.localization())
+      result.localized = localized_frames(*slam.localization(), outcome.trajectory);
+    return outcome;
+  };
   const bool with_loops = !flags.no_loops && has_back_end(config);
   const RunOutcome outcome =
-      with_loops ? run_with(Slam(description.camera, config, {}, std::move(detector)))
-                 : run_with(Odometry(description.camera, config, std::move(detector)));
-  RecordedRun result{.summary = recorder.summary(),
-                     .folder = recorder.folder(),
-                     .failure = failure_of(outcome, description.source)};
-  if (result.failure)
-    result.failure = Error(result.failure->code(),
-                           fmt::format("{}; what was tried is in {}", result.failure->what(),
-                                       (result.folder / "frames.jsonl").string()));
+      with_loops ? run_slam() : run_with(Odometry(description.camera, config, std::move(detector)));
+  result.summary = recorder.summary();
+  result.folder = recorder.folder();
+  const std::optional<Error> failure = failure_of(outcome, description.source);
+  if (failure)
+    result.failure =
+        Error(failure->code(), fmt::format("{}; what was tried is in {}", failure->what(),
+                                           (result.folder / "frames.jsonl").string()));
   return result;
 }
 

@@ -19,7 +19,8 @@ namespace edvo::app {
 struct RecordedRun {
   RunSummary summary;
   std::filesystem::path folder;
-  std::optional<Error> failure;  // with everything written
+  std::optional<Error> failure;           // with everything written
+  std::optional<std::int64_t> localized;  // frames in the frame of --map; none = no map
 };
 
 // What the run's folder says of the source, the method and the command.

@@ -19,6 +19,13 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       .add_option("--points", flags.points,
                   "Write the keyframes' points with colour, as PLY, by the final poses")
       ->type_name("FILE.ply");
+  command
+      .add_option("--map", flags.map,
+                  "A saved map, in whose frame the poses are where the camera was in it")
+      ->type_name("FILE");
+  command.add_flag("--update-map", flags.update_map, "Add this run to the map of --map");
+  command.add_option("--save-map", flags.save_map, "Write the map: keyframes, images and links")
+      ->type_name("FILE");
   command.add_option("--threads", flags.threads, "1, or more to read images ahead of their use")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

@@ -15,6 +15,9 @@ struct RunFlags {
   std::string output;      // folder, empty = runs/<sequence>/<UTC stamp>
   std::string edge_cache;  // folder, empty = none
   std::string points;      // PLY file, empty = none
+  std::string map;         // file of an earlier map, empty = none
+  std::string save_map;    // file, empty = none
+  bool update_map = false;
   bool force = false;
   bool no_loops = false;
   int threads = 2;  // one of them reads ahead if there are two or more

@@ -98,11 +98,16 @@ void show_result(const RecordedRun& result, const RunFlags& flags) {
   if (flags.json) {
     Json json = Json::parse(to_json(summary));
     json["folder"] = result.folder.string();
+    if (result.localized)
+      json["map"] = {{"file", flags.map}, {"localized_frames", *result.localized}};
     print_bytes(json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
   } else {
     print("{}, {}{}\n", summary.run.sequence, summary.run.method,
           summary.interrupted ? ", interrupted" : "");
     print_counts(summary);
+    if (result.localized)
+      print("map        {} of {} in the frame of {}\n", *result.localized,
+            counted(frames_processed(summary.counts), "frame"), flags.map);
     if (summary.evaluation) print_errors(*summary.evaluation);
     if (flags.profile) print_profile(summary);
     print("\nwritten to {}\n", result.folder.string());
