@@ -66,7 +66,7 @@ double seconds_of(Call&& call) {
 constexpr int kSums = 12, kRounds = 4096;
 EDVO_CLONES void multiply_and_add(float* numbers, float factor, float term) {
   Float8 sums[kSums];
-  for (int s = 0; s < kSums; ++s) sums[s] = simd::load(numbers + s * simd::kWidth);
+  for (int s = 0; s < kSums; ++s) sums[s] = simd::Load(numbers + s * simd::kWidth).value;
   for (int round = 0; round < kRounds; ++round)
 #pragma GCC unroll 12
     for (int s = 0; s < kSums; ++s) sums[s] = sums[s] * factor + term;

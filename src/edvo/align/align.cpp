@@ -13,8 +13,7 @@ namespace {
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 
-constexpr double kGainSigma = 0.3;   // prior: exposure rarely jumps by more
-constexpr double kBiasSigma = 30.0;  // [grey levels]
+constexpr double kRigid = 1e12;      // a brightness prior that holds
 constexpr double kOnlyAStart = 3.0;  // times the tolerance of steps at all but the finest level
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
 constexpr double kFlat = 0.1;        // [grey levels] an image of a smaller spread shows nothing
@@ -26,7 +25,7 @@ constexpr double kInformationScale = 10.0;
 // image has depth (docs/experiments/0010-few-points.md).
 constexpr double kPriorWeight = 2.0;
 
-// xi, gain, bias / kIntensityUnit.
+// xi, gain, bias / kBrightnessUnit.
 using System = LinearSystem<8>;
 
 bool same(const Alignment& a, const Alignment& b) {
@@ -94,7 +93,7 @@ class LevelProblem {
   [[nodiscard]] Alignment update(const Alignment& alignment, const Vector8d& step) const {
     return {.cur_from_ref = alignment.cur_from_ref * exp(step.head<6>()),
             .gain = alignment.gain + step[6],
-            .bias = alignment.bias + kIntensityUnit * step[7]};
+            .bias = alignment.bias + kBrightnessUnit * step[7]};
   }
 
   // Pixels that a step moves points by.
@@ -115,7 +114,8 @@ class LevelProblem {
       add(sum_surface(surface_, associations(alignment.cur_from_ref), alignment.cur_from_ref,
                       depth_noise_, static_cast<float>(options_.depth_weight)),
           system);
-    add_brightness_prior(alignment, system);
+    brightness_prior(alignment.gain, alignment.bias, options_.brightness ? 1 : kRigid)
+        .add_to(system, 6);
     if (prior_.sigma > 0) add_position_prior(alignment.cur_from_ref, system);
   }
 
@@ -137,19 +137,6 @@ class LevelProblem {
     system.hessian.topLeftCorner<6, 6>() += weight * J.transpose() * J;
     system.gradient.head<6>() += weight * J.transpose() * error;
     system.cost += 0.5 * weight * error.squaredNorm();
-  }
-
-  void add_brightness_prior(const Alignment& alignment, System& system) const {
-    const double rigid = options_.brightness ? 1.0 : 1e12;
-    const double gain_weight = rigid / (kGainSigma * kGainSigma);
-    const double bias_weight = rigid * kIntensityUnit * kIntensityUnit / (kBiasSigma * kBiasSigma);
-    const double gain_error = alignment.gain - 1, bias_error = alignment.bias / kIntensityUnit;
-    system.hessian(6, 6) += gain_weight;
-    system.hessian(7, 7) += bias_weight;
-    system.gradient[6] += gain_weight * gain_error;
-    system.gradient[7] += bias_weight * bias_error;
-    system.cost +=
-        0.5 * (gain_weight * gain_error * gain_error + bias_weight * bias_error * bias_error);
   }
 
   const ReferenceLevel& reference_;

@@ -2,6 +2,8 @@
 // Levenberg-Marquardt with gain-ratio damping (Madsen, Nielsen, Tingleff 2004, section 3.2).
 #pragma once
 
+#include "edvo/align/aitken.hpp"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -23,9 +25,8 @@ struct MinimizeOptions {
   double step_tolerance = 1e-5;  // of all steps still to come, see Problem::step_size
 };
 
-// Robust losses make each step about as much shorter than the one before. From two of them follows
-// how many times a step leads to the end (Aitken's extrapolation). That is how far the end is: a
-// short step alone does not tell. And the step itself may be longer.
+// How many steps lead to the end, which is how far it is: a short step alone does not tell. And the
+// step itself may be longer.
 template <typename Vector>
 class StepsToCome {
  public:
@@ -34,12 +35,12 @@ class StepsToCome {
   [[nodiscard]] double count(const Vector& step, const Matrix& metric) const {
     if (taken_ == 0) return kUnknown;
     const Vector scaled = metric * last_;
-    const double left = 1 - scaled.dot(step) / scaled.dot(last_);  // of the last step's error
-    return left > taken_ / kMost ? std::max(1.0, taken_ / left) : kMost;
+    const Vector this_scaled = metric * step;
+    return steps_to_come(taken_, scaled.dot(last_), scaled.dot(step), this_scaled.dot(step));
   }
   // How many times to take one for which there are so many.
   [[nodiscard]] double at_once(double count) const {
-    return taken_ == 0 ? 1.0 : std::min(count, kMostAtOnce);
+    return taken_ == 0 ? 1.0 : steps_at_once(count);
   }
   void take(const Vector& step, double times) {
     last_ = step;
@@ -48,8 +49,7 @@ class StepsToCome {
   void forget() { taken_ = 0; }
 
  private:
-  static constexpr double kUnknown = 2, kMost = 20;
-  static constexpr double kMostAtOnce = 1.9;  // twice as far gains nothing on a quadratic cost
+  static constexpr double kUnknown = 2;
   Vector last_ = Vector::Zero();
   double taken_ = 0;  // times, 0 = none yet
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/align/photometric.hpp"
 
+#include "edvo/align/huber8.hpp"
 #include "edvo/align/warp.hpp"
 #include "edvo/simd/dispatch.hpp"
 #include "edvo/simd/float8.hpp"
@@ -24,16 +25,17 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<std::uint8_t>& gray,
                                const Warp& warp, float gain, float bias, float* residuals) {
-  const auto& [r, t, fx, fy, cx, cy] = warp;
+  const auto& [r, t] = warp.motion;
+  const auto& [fx, fy, cx, cy] = warp.camera;
   const auto stride = static_cast<int>(gray.step[0]);
   const std::uint8_t* pixels = gray[0];
   // One pixel of margin, as the Jacobian's differences have it in the reference.
   const float limit_u = static_cast<float>(gray.cols - 2);
   const float limit_v = static_cast<float>(gray.rows - 2);
   for (std::size_t i = 0; i < reference.count; i += simd::kWidth) {
-    const Float8& px = simd::load(&reference.x[i]);
-    const Float8& py = simd::load(&reference.y[i]);
-    const Float8& pz = simd::load(&reference.z[i]);
+    const Float8 px = simd::Load(&reference.x[i]).value;
+    const Float8 py = simd::Load(&reference.y[i]).value;
+    const Float8 pz = simd::Load(&reference.z[i]).value;
     const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
     const Float8 inverse_z = 1.F / z;
     const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
@@ -61,7 +63,7 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     const Float8 lower =
         simd::ToFloat8(bottom_left).value + a * simd::ToFloat8(bottom_right - bottom_left).value;
     const Float8 residual =
-        upper + b * (lower - upper) - gain * simd::load(&reference.intensity[i]) - bias;
+        upper + b * (lower - upper) - gain * simd::Load(&reference.intensity[i]).value - bias;
     const Float8 none = residual * 0.F + kNan;
     simd::store(residuals + i, visible ? residual : none);
   }
@@ -86,17 +88,16 @@ EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights
   Float8 cost = {};
   const Float8 zero = {};
   for (std::size_t i = 0; i < count; i += simd::kWidth) {
-    const Float8& residual = simd::load(residuals + i);
-    const Float8& point_weight = simd::load(point_weights + i);
+    const Float8 residual = simd::Load(residuals + i).value;
+    const Float8 point_weight = simd::Load(point_weights + i).value;
     const Int8 seen = residual == residual;
     const Float8 r = seen ? residual : zero;
     const Float8 s = r * c.inverse_sigma;
     Float8 loss, weight;
     if (c.loss == Loss::kHuber) {
-      const Float8 size = s < 0.F ? -s : s;
-      const Float8 inlier = size < c.parameter ? size : zero + c.parameter;
-      loss = inlier * (size - 0.5F * inlier);
-      weight = size > c.parameter ? c.parameter / size : zero + 1.F;
+      const Huber8 huber(s, c.parameter);
+      loss = huber.cost;
+      weight = huber.weight;
     } else if (c.loss == Loss::kTukey) {
       const float square = c.parameter * c.parameter;
       const Float8 left = 1.F - s * s / square;
@@ -135,13 +136,13 @@ template <int a>
                                               ColumnSums& out) {
   Float8 products[kColumns - a] = {}, sum = {}, gradient = {};
   for (std::size_t i = 0; i < count; i += simd::kWidth) {
-    const Float8& column = simd::load(columns[a] + i);
-    const Float8 w = simd::load(weights + i) * column;
+    const Float8 column = simd::Load(columns[a] + i).value;
+    const Float8 w = simd::Load(weights + i).value * column;
     sum += w;
-    gradient += simd::load(weighted + i) * column;
+    gradient += simd::Load(weighted + i).value * column;
 #pragma GCC unroll 8
     for (int b = a; b < kColumns; ++b)
-      products[b - a] += w * simd::load(columns[static_cast<std::size_t>(b)] + i);
+      products[b - a] += w * simd::Load(columns[static_cast<std::size_t>(b)] + i).value;
   }
   for (int b = a; b < kColumns; ++b)
     out.products[a][static_cast<std::size_t>(b)] = simd::sum(products[b - a]);
@@ -160,16 +161,16 @@ EDVO_CLONES void sum_columns(const Columns& columns, const float* weights, const
   sum_column<6>(columns, weights, weighted, count, out);
   Float8 all = {}, residuals = {};
   for (std::size_t i = 0; i < count; i += simd::kWidth) {
-    all += simd::load(weights + i);
-    residuals += simd::load(weighted + i);
+    all += simd::Load(weights + i).value;
+    residuals += simd::Load(weighted + i).value;
   }
   out.weights = simd::sum(all);
   out.weighted = simd::sum(residuals);
 }
 
-// The Jacobian's columns are the reference's times the gain, -intensity, and -kIntensityUnit.
+// The Jacobian's columns are the reference's times the gain, -intensity, and -kBrightnessUnit.
 void add(const ColumnSums& block, double gain, PhotometricSums& sums) {
-  constexpr double kUnit = static_cast<double>(kIntensityUnit);
+  constexpr double kUnit = kBrightnessUnit;
   const auto times = [&](int column) { return column < kColumns - 1 ? gain : -1.0; };
   for (int a = 0; a < kColumns; ++a) {
     const auto row = static_cast<std::size_t>(a);

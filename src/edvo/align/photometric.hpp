@@ -3,6 +3,7 @@
 // equations.
 #pragma once
 
+#include "edvo/align/brightness.hpp"
 #include "edvo/align/reference.hpp"
 #include "edvo/align/robust.hpp"
 #include "edvo/core/se3.hpp"
@@ -19,11 +20,10 @@ struct Alignment {
   double bias = 0;  // [grey levels]
 };
 
-constexpr float kIntensityUnit = 64.F;  // [grey levels] makes gain and bias steps of like size
 constexpr float kInlierSigmas = 3.F;
 
 // Sums over points: J' W J (upper triangle), J' W r and the robust cost. Unknowns: xi, gain,
-// bias / kIntensityUnit.
+// bias / kBrightnessUnit.
 struct PhotometricSums {
   Eigen::Matrix<double, 8, 8> hessian = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> gradient = Eigen::Matrix<double, 8, 1>::Zero();

@@ -26,12 +26,13 @@ constexpr double kStale = 1.0;  // [px] pieces of surface are larger
 // through it, z = 1.
 EDVO_CLONES void project_loop(const SurfacePoints& surface, const Warp& warp, cv::Size size,
                               DepthAssociations& associations) {
-  const auto& [r, t, fx, fy, cx, cy] = warp;
+  const auto& [r, t] = warp.motion;
+  const auto& [fx, fy, cx, cy] = warp.camera;
   const float columns = static_cast<float>(size.width), rows = static_cast<float>(size.height);
   for (std::size_t i = 0; i < surface.x.size(); i += simd::kWidth) {
-    const Float8& px = simd::load(&surface.x[i]);
-    const Float8& py = simd::load(&surface.y[i]);
-    const Float8& pz = simd::load(&surface.z[i]);
+    const Float8 px = simd::Load(&surface.x[i]).value;
+    const Float8 py = simd::Load(&surface.y[i]).value;
+    const Float8 pz = simd::Load(&surface.z[i]).value;
     const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
     const Float8 inverse_z = 1.F / z;
     const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + (cx + 0.5F);
@@ -54,26 +55,25 @@ struct Accumulated {
 };
 
 EDVO_CLONES void sum_loop(const SurfacePoints& surface, const DepthAssociations& associations,
-                          const Warp& warp, float noise, float weight, std::size_t first,
+                          const RigidMotion& motion, float noise, float weight, std::size_t first,
                           std::size_t last, Accumulated& out) {
-  const auto& r = warp.r;
-  const auto& t = warp.t;
+  const auto& [r, t] = motion;
   Float8 products[kProducts] = {}, gradient[6] = {}, cost = {};
   const Float8 zero = {};
   for (std::size_t i = first; i < last; i += simd::kWidth) {
-    const Float8& z = simd::load(&associations.z[i]);
-    const Float8& pz = simd::load(&surface.z[i]);
+    const Float8 z = simd::Load(&associations.z[i]).value;
+    const Float8 pz = simd::Load(&surface.z[i]).value;
     const Int8 real = pz > 0.F, measured = real & (z == z);
     // The seen point, moved to the reference camera.
-    const Float8 sx = (measured ? simd::load(&associations.x[i]) : zero) - t[0];
-    const Float8 sy = (measured ? simd::load(&associations.y[i]) : zero) - t[1];
+    const Float8 sx = (measured ? simd::Load(&associations.x[i]).value : zero) - t[0];
+    const Float8 sy = (measured ? simd::Load(&associations.y[i]).value : zero) - t[1];
     const Float8 sz = (measured ? z : zero + 1.F) - t[2];
     const Float8 x = r[0] * sx + r[3] * sy + r[6] * sz;
     const Float8 y = r[1] * sx + r[4] * sy + r[7] * sz;
     const Float8 d = r[2] * sx + r[5] * sy + r[8] * sz;
-    const Float8& nx = simd::load(&surface.nx[i]);
-    const Float8& ny = simd::load(&surface.ny[i]);
-    const Float8& nz = simd::load(&surface.nz[i]);
+    const Float8 nx = simd::Load(&surface.nx[i]).value;
+    const Float8 ny = simd::Load(&surface.ny[i]).value;
+    const Float8 nz = simd::Load(&surface.nz[i]).value;
     const Float8 residual = nx * x + ny * y + nz * d - 1.F;
     const Float8 sigma = noise * (real ? pz : zero + 1.F);
     const Float8 inverse_variance = 1.F / (sigma * sigma);
@@ -133,11 +133,11 @@ void associate_depth(const SurfacePoints& surface, const Camera& camera, const D
 
 PoseSums sum_surface(const SurfacePoints& surface, const DepthAssociations& associations,
                      const SE3& cur_from_ref, float noise, float weight) {
-  const Warp warp = make_warp(cur_from_ref, {});
+  const RigidMotion motion = rigid_motion(cur_from_ref);
   PoseSums sums;
   Accumulated block;
   for (std::size_t first = 0; first < surface.x.size(); first += kBlock) {
-    sum_loop(surface, associations, warp, noise, weight, first,
+    sum_loop(surface, associations, motion, noise, weight, first,
              std::min(first + kBlock, surface.x.size()), block);
     add(block, sums);
   }

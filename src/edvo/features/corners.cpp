@@ -70,12 +70,13 @@ EDVO_CLONES void weighted_sum(const float* const* rows, const float* half_kernel
                               int count, float* out) {
   for (int x = 0; x < count; x += kStrip) {
     const float* middle = rows[radius] + x;
-    Float8 a = half_kernel[0] * simd::load(middle),
-           b = half_kernel[0] * simd::load(middle + simd::kWidth);
+    Float8 a = half_kernel[0] * simd::Load(middle).value,
+           b = half_kernel[0] * simd::Load(middle + simd::kWidth).value;
     for (int i = 1; i <= radius; ++i) {
       const float *before = rows[radius - i] + x, *after = rows[radius + i] + x;
-      a += half_kernel[i] * (simd::load(before) + simd::load(after));
-      b += half_kernel[i] * (simd::load(before + simd::kWidth) + simd::load(after + simd::kWidth));
+      a += half_kernel[i] * (simd::Load(before).value + simd::Load(after).value);
+      b += half_kernel[i] *
+           (simd::Load(before + simd::kWidth).value + simd::Load(after + simd::kWidth).value);
     }
     simd::store(out + x, a);
     simd::store(out + x + simd::kWidth, b);
@@ -109,7 +110,7 @@ EDVO_CLONES float largest(const float* values, std::size_t count, float least) {
   Float8 most = Float8{} + least;
   std::size_t i = 0;
   for (; i + simd::kWidth <= count; i += simd::kWidth) {
-    const Float8& v = simd::load(values + i);
+    const Float8 v = simd::Load(values + i).value;
     most = v > most ? v : most;
   }
   for (; i < count; ++i) least = std::max(least, values[i]);

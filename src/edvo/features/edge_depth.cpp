@@ -30,7 +30,7 @@ EDVO_CLONES float nearest_supported(const float* corner, std::size_t stride) {
   Float8 rows[kSide];
   Float8 nearest = infinite, farthest{};
   for (std::size_t j = 0; j < kSide; ++j) {
-    const Float8& z = simd::load(corner + j * stride);
+    const Float8 z = simd::Load(corner + j * stride).value;
     rows[j] = (inside & (z > 0.F)) ? z : infinite;
     nearest = rows[j] < nearest ? rows[j] : nearest;
     const Float8 finite = rows[j] < kInfinity ? rows[j] : Float8{};

@@ -19,7 +19,7 @@ constexpr int kTan22 = 13573;  // tan(22.5 deg) in 1 / 2^15, as cv::Canny rounds
 constexpr std::uint8_t kWeak = 1, kStrong = 2;
 
 [[gnu::always_inline]] inline void widen(const std::int16_t* from, Int8& to) {
-  to = simd::ToInt8(simd::load(from)).value;
+  to = simd::ToInt8(simd::Load(from).value).value;
 }
 
 [[gnu::always_inline]] inline void magnitude(const Int8& v, Int8& out) {
@@ -42,7 +42,7 @@ EDVO_CLONES void weigh(const float* weights, float unit, int count, std::int16_t
   for (int i = 0; i < count; i += static_cast<int>(simd::kWidth)) {
     Int8 g;
     widen(gradient + i, g);
-    const Float8 weighed = unit * simd::load(weights + i) * simd::ToFloat8(g).value;
+    const Float8 weighed = unit * simd::Load(weights + i).value * simd::ToFloat8(g).value;
     const Float8 half = weighed < 0.F ? Float8{} - 0.5F : Float8{} + 0.5F;
     simd::store(gradient + i, simd::ToShort8(simd::ToInt8(weighed + half).value).value);
   }

@@ -15,42 +15,53 @@ namespace edvo::simd {
 constexpr std::size_t kWidth = 8;
 
 // Arithmetic, comparisons (-1 where true, 0 elsewhere) and `mask ? a : b` are the compiler's.
-using Float8 = float __attribute__((vector_size(32), aligned(4), may_alias));
-using Int8 = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
-using Short8 = std::int16_t __attribute__((vector_size(16), aligned(2), may_alias));
-using Byte8 = std::uint8_t __attribute__((vector_size(8), aligned(1), may_alias));
+using Float8 = float __attribute__((vector_size(32)));
+using Int8 = std::int32_t __attribute__((vector_size(32)));
+using Short8 = std::int16_t __attribute__((vector_size(16)));
+using Byte8 = std::uint8_t __attribute__((vector_size(8)));
 
 // Arrays of `count` numbers that are read eight at a time have this length, zeros at their end.
 [[nodiscard]] constexpr std::size_t padded(std::size_t count) {
   return (count + kWidth - 1) / kWidth * kWidth;
 }
 
-[[gnu::always_inline]] inline const Float8& load(const float* p) {
-  return *reinterpret_cast<const Float8*>(p);
-}
+template <typename Number>
+struct VectorOf;
+template <>
+struct VectorOf<float> {
+  using Type = Float8;
+};
+template <>
+struct VectorOf<std::int32_t> {
+  using Type = Int8;
+};
+template <>
+struct VectorOf<std::int16_t> {
+  using Type = Short8;
+};
+template <>
+struct VectorOf<std::uint8_t> {
+  using Type = Byte8;
+};
 
-[[gnu::always_inline]] inline const Int8& load(const std::int32_t* p) {
-  return *reinterpret_cast<const Int8*>(p);
-}
+// Eight numbers in an array, where vectors need not be aligned. An alignment attribute of the
+// vector type itself would not do: clang forgets it where a reference is passed on.
+template <typename Number>
+struct [[gnu::packed, gnu::may_alias]] InArray {
+  typename VectorOf<Number>::Type vector;
+};
 
-[[gnu::always_inline]] inline const Short8& load(const std::int16_t* p) {
-  return *reinterpret_cast<const Short8*>(p);
-}
+template <typename Number>
+struct Load {
+  typename VectorOf<Number>::Type value;
 
-[[gnu::always_inline]] inline void store(float* p, const Float8& v) {
-  *reinterpret_cast<Float8*>(p) = v;
-}
+  [[gnu::always_inline]] explicit Load(const Number* p)
+      : value(reinterpret_cast<const InArray<Number>*>(p)->vector) {}
+};
 
-[[gnu::always_inline]] inline void store(std::int32_t* p, const Int8& v) {
-  *reinterpret_cast<Int8*>(p) = v;
-}
-
-[[gnu::always_inline]] inline void store(std::int16_t* p, const Short8& v) {
-  *reinterpret_cast<Short8*>(p) = v;
-}
-
-[[gnu::always_inline]] inline void store(std::uint8_t* p, const Byte8& v) {
-  *reinterpret_cast<Byte8*>(p) = v;
+template <typename Number>
+[[gnu::always_inline]] inline void store(Number* p, const typename VectorOf<Number>::Type& v) {
+  reinterpret_cast<InArray<Number>*>(p)->vector = v;
 }
 
 // Each number as another type; floats are cut towards zero, integers to their low bits.
@@ -100,7 +111,7 @@ struct SquareRoot {
     float each[kWidth];
     store(each, v);
     for (float& number : each) number = std::sqrt(number);
-    value = load(each);
+    value = Load(each).value;
   }
 };
 

@@ -48,12 +48,7 @@ void add_priors(const WindowKeyframe& host, HostSystem& s) {
     s.depth_curvature[static_cast<Eigen::Index>(i)] = static_cast<float>(point.weight);
     s.cost += 0.5 * point.weight * error * error;
   }
-  const BrightnessPrior prior = brightness_prior(host);
-  s.hessian(6, 6) += prior.gain_weight;
-  s.hessian(7, 7) += prior.bias_weight;
-  s.gradient[6] += prior.gain_weight * prior.gain_error;
-  s.gradient[7] += prior.bias_weight * prior.bias_error;
-  s.cost += prior.cost();
+  brightness_prior(host.gain, host.bias).add_to(s, 6);
 }
 
 void add_model(const PairModel& model, int target, HostSystem& s) {

@@ -26,24 +26,6 @@ constexpr std::array<float, kKeyframeUnknowns> kFromTarget = {-1, -1, -1, -1, -1
   return A;
 }
 
-// Prior of a keyframe's brightness: weights and errors of gain and bias.
-struct BrightnessPrior {
-  double gain_weight, bias_weight, gain_error, bias_error;
-
-  [[nodiscard]] double cost() const {
-    return 0.5 * (gain_weight * gain_error * gain_error + bias_weight * bias_error * bias_error);
-  }
-};
-
-[[nodiscard]] inline BrightnessPrior brightness_prior(const WindowKeyframe& key) {
-  constexpr double kGainSigma = 0.3;
-  constexpr double kBiasSigma = 30.0;  // [grey levels]
-  return {.gain_weight = 1 / (kGainSigma * kGainSigma),
-          .bias_weight = kBrightnessUnit * kBrightnessUnit / (kBiasSigma * kBiasSigma),
-          .gain_error = key.gain - 1,
-          .bias_error = key.bias / kBrightnessUnit};
-}
-
 inline void move_keyframe(const BlockVector& step, WindowKeyframe& key) {
   const Vector6d xi = step.head<6>();
   key.world_from_key = key.world_from_key * exp(xi);

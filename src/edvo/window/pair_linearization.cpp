@@ -2,6 +2,7 @@
 #include "edvo/window/pair_linearization.hpp"
 
 #include "edvo/align/bilinear.hpp"
+#include "edvo/align/huber8.hpp"
 #include "edvo/simd/dispatch.hpp"
 #include "edvo/simd/float8.hpp"
 
@@ -32,13 +33,13 @@ enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kC
 [[gnu::always_inline]] inline void prefetch_patch(const PairConstants& c, const PairGeometry& g,
                                                   const WindowPoint& point,
                                                   const WindowKeyframe& target) {
-  const auto& R = g.rotation;
-  const auto& t = g.translation;
+  const auto& [R, t] = g.target_from_host;
+  const auto& [fx, fy, cx, cy] = c.camera;
   const float rho = static_cast<float>(point.inverse_depth);
-  const float rx = (point.u - c.cx) / c.fx, ry = (point.v - c.cy) / c.fy;
+  const float rx = (point.u - cx) / fx, ry = (point.v - cy) / fy;
   const float iz = 1.F / (R[6] * rx + R[7] * ry + R[8] + rho * t[2]);
-  const float u = c.fx * (R[0] * rx + R[1] * ry + R[2] + rho * t[0]) * iz + c.cx;
-  const float v = c.fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + c.cy;
+  const float u = fx * (R[0] * rx + R[1] * ry + R[2] + rho * t[0]) * iz + cx;
+  const float v = fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + cy;
   if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
   const int column = static_cast<int>(u), row = static_cast<int>(v);
   simd::prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
@@ -67,7 +68,8 @@ struct Totals {
 [[gnu::always_inline]] inline double add_block(const PairConstants& c, const PairGeometry& g,
                                                const Block& block, Totals& totals,
                                                PointNormals* depths, float* coupling) {
-  const auto& t = g.translation;
+  const auto& t = g.target_from_host.t;
+  const auto& [fx, fy, cx, cy] = c.camera;
   const Float8 zero{};
   Float8 sum[kSums];
   for (int k = 0; k < kSums; ++k) simd::sum_each(block.patches[k], sum[k]);
@@ -80,23 +82,19 @@ struct Totals {
   const Float8 bias = c.depth_bias * seen;
   const Float8 variance = c.depth_variance + bias * bias;
   const Float8 deviation = simd::SquareRoot(variance).value;
-  const Float8 norm = (error < 0.F ? -error : error) / deviation;
-  const Float8 fitting = norm < kDepthHuber ? norm : zero + kDepthHuber;
-  const Float8 larger = norm > kDepthHuber ? norm : zero + kDepthHuber;
-  const Float8 cost = sum[kCost] + c.depth_weight * fitting * (norm - 0.5F * fitting);
+  const Huber8 huber(error / deviation, kDepthHuber);
+  const Float8 cost = sum[kCost] + c.depth_weight * huber.cost;
   const Int8 fits = cost <= c.most;
   for (int k = 0; k < kSums; ++k) sum[k] = fits ? sum[k] : zero;
-  const Float8 depth_weight =
-      (sensed & fits) ? c.depth_weight / variance * kDepthHuber / larger : zero;
+  const Float8 depth_weight = (sensed & fits) ? c.depth_weight / variance * huber.weight : zero;
 
   const float s = 1 / c.sigma, s2 = s * s;
   const float unit = -static_cast<float>(kBrightnessUnit);
   // d (u, v) / d xi at the centre.
-  const Float8 du[6] = {c.fx * inverse_z,       zero,      -c.fx * px * inverse_z, -c.fx * px * py,
-                        c.fx * (1.F + px * px), -c.fx * py};
-  const Float8 dv[6] = {
-      zero,           c.fy * inverse_z, -c.fy * py * inverse_z, -c.fy * (1.F + py * py),
-      c.fy * px * py, c.fy * px};
+  const Float8 du[6] = {fx * inverse_z,       zero,    -fx * px * inverse_z, -fx * px * py,
+                        fx * (1.F + px * px), -fx * py};
+  const Float8 dv[6] = {zero,         fy * inverse_z, -fy * py * inverse_z, -fy * (1.F + py * py),
+                        fy * px * py, fy * px};
   // Gradient-weighted columns of the Jacobian.
   Float8 gu[kN], gv[kN];
 #pragma GCC unroll 6
@@ -131,7 +129,7 @@ struct Totals {
   totals.gradient[7] += s * unit * sum[kR];
 
   // d (u, v) / d rho = f (t - (x, y) t_z) / q_z, and d (1 / z) / d rho.
-  const Float8 ru = c.fx * (t[0] - px * t[2]) * scale, rv = c.fy * (t[1] - py * t[2]) * scale;
+  const Float8 ru = fx * (t[0] - px * t[2]) * scale, rv = fy * (t[1] - py * t[2]) * scale;
   const Float8 jr = (1.F - block.rho * t[2] * scale) * scale;
   Float8 columns[kN], rows[kN];
 #pragma GCC unroll 8
@@ -157,13 +155,8 @@ struct Totals {
 
 PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& target) {
   const SE3 target_from_host = inverse(target.world_from_key) * host.world_from_key;
-  const Eigen::Matrix3d R = target_from_host.rotation.toRotationMatrix();
   PairGeometry g;
-  for (int i = 0; i < 9; ++i)
-    g.rotation[static_cast<std::size_t>(i)] = static_cast<float>(R(i / 3, i % 3));
-  for (int i = 0; i < 3; ++i)
-    g.translation[static_cast<std::size_t>(i)] =
-        static_cast<float>(target_from_host.translation[i]);
+  g.target_from_host = rigid_motion(target_from_host);
   g.adjoint = adjoint(target_from_host);
   g.gain = static_cast<float>(target.gain / host.gain);
   g.bias_host = static_cast<float>(host.bias);
@@ -175,10 +168,7 @@ PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& tar
 PairConstants pair_constants(const Camera& camera, const WindowOptions& options) {
   const float huber = static_cast<float>(options.huber);
   const double noise = options.depth_noise;
-  return {.fx = static_cast<float>(camera.fx),
-          .fy = static_cast<float>(camera.fy),
-          .cx = static_cast<float>(camera.cx),
-          .cy = static_cast<float>(camera.cy),
+  return {.camera = pinhole(camera),
           .limit_u = static_cast<float>(camera.width) - 1 - kMargin,
           .limit_v = static_cast<float>(camera.height) - 1 - kMargin,
           .sigma = static_cast<float>(options.sigma),
@@ -193,11 +183,11 @@ PairConstants pair_constants(const Camera& camera, const WindowOptions& options)
 EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
                             const std::vector<WindowPoint>& points, const WindowKeyframe& target,
                             PairSums& pair, PointNormals* depths, float* coupling) {
-  const auto& R = g.rotation;
-  const auto& t = g.translation;
+  const auto& [R, t] = g.target_from_host;
+  const auto& [fx, fy, cx, cy] = c.camera;
   double total = 0;
   const float inverse_sigma = 1 / c.sigma;
-  const Float8 &pattern_x = simd::load(kPatternX), &pattern_y = simd::load(kPatternY);
+  const Float8 pattern_x = simd::Load(kPatternX).value, pattern_y = simd::Load(kPatternY).value;
   Totals totals;
   Block block{};
   for (std::size_t i = 0; i < points.size();) {
@@ -209,14 +199,14 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       simd::store(coupling + now * kN, Float8{});
       const float rho = static_cast<float>(point.inverse_depth);
       const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
-      const Float8 rx = (point.u + pattern_x - c.cx) / c.fx;
-      const Float8 ry = (point.v + pattern_y - c.cy) / c.fy;
+      const Float8 rx = (point.u + pattern_x - cx) / fx;
+      const Float8 ry = (point.v + pattern_y - cy) / fy;
       const Float8 qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
       const Float8 iz = 1.F / qz;
       const Float8 x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
       const Float8 y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
-      const Float8 u = c.fx * x + c.cx;
-      const Float8 v = c.fy * y + c.cy;
+      const Float8 u = fx * x + cx;
+      const Float8 v = fy * y + cy;
       const Int8 fits =
           (qz > kLeastScale) & (u >= kMargin) & (v >= kMargin) & (u < c.limit_u) & (v < c.limit_v);
       std::int32_t visible = -1;
@@ -233,13 +223,11 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       }
       Samples image;
       sample(target.gray, u, v, image);
-      const Float8 radiance = simd::load(point.intensity.data()) - g.bias_host;
+      const Float8 radiance = simd::Load(point.intensity.data()).value - g.bias_host;
       const Float8 r = (image.value - g.gain * radiance - g.bias_target) * inverse_sigma;
-      const Float8 size = r < 0.F ? -r : r;
-      const Float8 inlier = size < c.huber ? size : Float8{} + c.huber;
-      const Float8 larger = size > c.huber ? size : Float8{} + c.huber;
-      const Float8& gradient_weight_scale = simd::load(point.gradient_weight_scale.data());
-      const Float8 w = gradient_weight_scale * c.huber / larger;
+      const Huber8 huber(r, c.huber);
+      const Float8 gradient_weight_scale = simd::Load(point.gradient_weight_scale.data()).value;
+      const Float8 w = gradient_weight_scale * huber.weight;
       const Float8 by_gain = -radiance * g.inverse_host_gain;
       const Float8 wx = w * image.gx, wy = w * image.gy, wa = w * by_gain;
       const std::size_t k = block.count++;
@@ -258,7 +246,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       block.patches[kYR][k] = wy * r;
       block.patches[kAR][k] = wa * r;
       block.patches[kR][k] = w * r;
-      block.patches[kCost][k] = gradient_weight_scale * inlier * (size - 0.5F * inlier);
+      block.patches[kCost][k] = gradient_weight_scale * huber.cost;
       block.x[k] = x[0];
       block.y[k] = y[0];
       block.scale[k] = iz[0];

@@ -2,6 +2,8 @@
 // What one keyframe's points, seen in another, add to the normal equations of a window.
 #pragma once
 
+#include "edvo/align/brightness.hpp"
+#include "edvo/align/warp.hpp"
 #include "edvo/window/window_keyframe.hpp"
 
 #include <array>
@@ -9,10 +11,9 @@
 
 namespace edvo {
 
-constexpr float kLeastScale = 0.05F;      // of a point's depth in the target by that in the host
-constexpr float kMargin = 3.F;            // [px] room that a patch needs
-constexpr int kKeyframeUnknowns = 8;      // xi, gain, bias / kBrightnessUnit
-constexpr double kBrightnessUnit = 64.0;  // [grey levels] makes gain and bias steps of like size
+constexpr float kLeastScale = 0.05F;  // of a point's depth in the target by that in the host
+constexpr float kMargin = 3.F;        // [px] room that a patch needs
+constexpr int kKeyframeUnknowns = 8;  // xi, gain, bias / kBrightnessUnit
 
 // Own part of the unknown inverse depth of a point.
 struct PointNormals {
@@ -21,8 +22,7 @@ struct PointNormals {
 };
 
 struct PairGeometry {
-  std::array<float, 9> rotation;  // row-major, target from host
-  std::array<float, 3> translation;
+  RigidMotion target_from_host;
   Matrix6d adjoint;
   float gain, bias_host, bias_target;
   float inverse_host_gain;
@@ -30,7 +30,8 @@ struct PairGeometry {
 
 // What does not change during a linearization.
 struct PairConstants {
-  float fx, fy, cx, cy, limit_u, limit_v;
+  Pinhole camera;
+  float limit_u, limit_v;
   float sigma, pair_sigma_scale, huber, most;
   float depth_weight, depth_variance, depth_bias;
 };

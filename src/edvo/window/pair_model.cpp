@@ -24,7 +24,7 @@ double pixels_moved(const SE3& motion, const WindowKeyframe& host, const PairCon
   double sum = 0;
   for (const WindowPoint& point : host.points) sum += point.inverse_depth;
   const double mean = sum / static_cast<double>(host.points.size());
-  return static_cast<double>(c.fx) *
+  return static_cast<double>(c.camera.fx) *
          std::max(rotation_angle(motion), mean * motion.translation.norm());
 }
 
@@ -36,12 +36,14 @@ struct Projection {
 // Where a target has a host's point; nothing where it is not in view.
 std::optional<Projection> project_point(const PairConstants& c, const PairGeometry& g,
                                         const WindowPoint& point) {
-  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(g.rotation.data());
-  const Eigen::Map<const Eigen::Vector3f> t(g.translation.data());
+  const Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>> R(
+      g.target_from_host.r.data());
+  const Eigen::Map<const Eigen::Vector3f> t(g.target_from_host.t.data());
+  const auto& [fx, fy, cx, cy] = c.camera;
   const auto rho = static_cast<float>(point.inverse_depth);
-  const Eigen::Vector3f ray((point.u - c.cx) / c.fx, (point.v - c.cy) / c.fy, 1);
+  const Eigen::Vector3f ray((point.u - cx) / fx, (point.v - cy) / fy, 1);
   const Eigen::Vector3f q = R * ray + rho * t;
-  const Projection seen{c.fx * q.x() / q.z() + c.cx, c.fy * q.y() / q.z() + c.cy, rho / q.z()};
+  const Projection seen{fx * q.x() / q.z() + cx, fy * q.y() / q.z() + cy, rho / q.z()};
   const bool visible = q.z() > kLeastScale && seen.u >= kMargin && seen.v >= kMargin &&
                        seen.u < c.limit_u && seen.v < c.limit_v;
   return visible ? std::optional(seen) : std::nullopt;
@@ -101,8 +103,8 @@ EDVO_CLONES float move_points(const std::vector<WindowPoint>& points, const floa
     const auto now = static_cast<float>(points[i].inverse_depth);
     const float moved = now - depths[i];
     depths[i] = now;
-    const Float8& c = simd::load(coupling + i * kN);
-    const float by_pair = simd::sum(c * simd::load(step));
+    const Float8 c = simd::Load(coupling + i * kN).value;
+    const float by_pair = simd::sum(c * simd::Load(step).value);
     sum += moved * c;
     cost += moved * (systems[i].gradient + by_pair + 0.5F * systems[i].curvature * moved);
     systems[i].gradient += by_pair + systems[i].curvature * moved;

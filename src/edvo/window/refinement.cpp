@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/window/refinement.hpp"
 
+#include "edvo/align/aitken.hpp"
 #include "edvo/align/robust.hpp"
 #include "edvo/window/keyframe_unknowns.hpp"
 
@@ -11,7 +12,6 @@ namespace edvo {
 namespace {
 
 constexpr double kDamping = 1e-4;
-constexpr double kMostRelaxed = 1.9;      // a step twice as long gains nothing on a quadratic cost
 constexpr float kLeastDepthScale = 0.1F;  // of the depth noise expected
 
 // The depth noise that the newest keyframe and the others show, by what the options say; at most 1:
@@ -63,8 +63,7 @@ double Relaxation::next(const WindowStep& step) {
   const double own = -step.gradient.dot(step.keyframes);
   if (last_.size() > 0) {
     const double cross = -step.gradient.dot(last_);
-    factor_ *= (last_own_ - cross) / (last_own_ - 2 * cross + own);
-    factor_ = factor_ > 1 ? std::min(factor_, kMostRelaxed) : 1;  // 1 where it is not a number
+    factor_ = steps_at_once(steps_to_come(factor_, last_own_, cross, own));
   }
   last_ = step.keyframes;
   last_own_ = own;

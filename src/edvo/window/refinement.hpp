@@ -6,10 +6,8 @@
 
 namespace edvo {
 
-// How far to go along each step (Aitken's delta squared, as Kuettler and Wall 2008 use it).
-// Gauss-Newton with the weights of a robust loss takes steps that are too short where few pixels
-// match yet; then one step points where the last one did, and the sum of all that would follow is
-// known from two. Products are in the metric of the keyframes' Hessian: H step = -gradient.
+// How far to go along each step. Products are in the metric of the keyframes' Hessian:
+// H step = -gradient.
 class Relaxation {
  public:
   [[nodiscard]] double next(const WindowStep& step);

@@ -23,7 +23,7 @@ constexpr std::size_t kAtOnce = 4;  // points: sums over them stay in registers
                                            float* row) {
   const float* c = host.values.data() + point * host.columns.size() * kN;
   for (const int column : host.columns) {
-    simd::store(row + column, simd::load(row + column) + simd::load(c));
+    simd::store(row + column, simd::Load(row + column).value + simd::Load(c).value);
     c += kN;
   }
 }
@@ -67,15 +67,15 @@ EDVO_CLONES void schur_complement(const WindowSystem& a, const WindowSystem& b, 
             t[p] = rows[p * n + k + 1] * inverse[p];
           }
           for (std::size_t m = block; m < n; m += kN) {
-            Float8 x = simd::load(row + m), y = simd::load(next + m);
-            x -= s[0] * simd::load(c0 + m);
-            y -= t[0] * simd::load(c0 + m);
-            x -= s[1] * simd::load(c1 + m);
-            y -= t[1] * simd::load(c1 + m);
-            x -= s[2] * simd::load(c2 + m);
-            y -= t[2] * simd::load(c2 + m);
-            x -= s[3] * simd::load(c3 + m);
-            y -= t[3] * simd::load(c3 + m);
+            Float8 x = simd::Load(row + m).value, y = simd::Load(next + m).value;
+            x -= s[0] * simd::Load(c0 + m).value;
+            y -= t[0] * simd::Load(c0 + m).value;
+            x -= s[1] * simd::Load(c1 + m).value;
+            y -= t[1] * simd::Load(c1 + m).value;
+            x -= s[2] * simd::Load(c2 + m).value;
+            y -= t[2] * simd::Load(c2 + m).value;
+            x -= s[3] * simd::Load(c3 + m).value;
+            y -= t[3] * simd::Load(c3 + m).value;
             simd::store(row + m, x);
             simd::store(next + m, y);
           }
@@ -95,22 +95,13 @@ EDVO_CLONES void spread_coupling(const float* pair, std::size_t points, std::siz
     const float* c = pair + i * kN;
     Float8 sum{};
     if (host != nullptr) {
-      for (int k = 0; k < kN; ++k) sum += c[k] * simd::load(to_host + k * kN);
-      simd::store(host + i * n, simd::load(host + i * n) + sum);
+      for (int k = 0; k < kN; ++k) sum += c[k] * simd::Load(to_host + k * kN).value;
+      simd::store(host + i * n, simd::Load(host + i * n).value + sum);
     }
     if (target != nullptr)
-      simd::store(target + i * n,
-                  simd::load(target + i * n) + simd::load(to_target) * simd::load(c));
+      simd::store(target + i * n, simd::Load(target + i * n).value +
+                                      simd::Load(to_target).value * simd::Load(c).value);
   }
-}
-
-void add_brightness_prior(const WindowKeyframe& key, int at, WindowSystem& system) {
-  const BrightnessPrior prior = brightness_prior(key);
-  system.hessian(at + 6, at + 6) += prior.gain_weight;
-  system.hessian(at + 7, at + 7) += prior.bias_weight;
-  system.gradient[at + 6] += prior.gain_weight * prior.gain_error;
-  system.gradient[at + 7] += prior.bias_weight * prior.bias_error;
-  system.cost += prior.cost();
 }
 
 // Where a keyframe's block is in the rows of a host's coupling; nothing where it has none.
@@ -126,7 +117,7 @@ EDVO_CLONES void multiply(const PosePointBlocks& host, const float* step, float*
     Float8 sum{};
     const float* c = host.values.data() + i * width;
     for (const int column : host.columns) {
-      sum += simd::load(c) * simd::load(step + column);
+      sum += simd::Load(c).value * simd::Load(step + column).value;
       c += kN;
     }
     products[i] += simd::sum(sum);
@@ -139,7 +130,7 @@ EDVO_CLONES void multiply_transposed(const PosePointBlocks& host, const float* s
   for (std::size_t i = 0; i < host.points; ++i) {
     const float* c = host.values.data() + i * width;
     for (const int column : host.columns) {
-      simd::store(pull + column, simd::load(pull + column) + steps[i] * simd::load(c));
+      simd::store(pull + column, simd::Load(pull + column).value + steps[i] * simd::Load(c).value);
       c += kN;
     }
   }
@@ -201,8 +192,10 @@ void add_priors(const std::vector<WindowKeyframe>& window, int fixed, WindowSyst
                             .curvature = static_cast<float>(point.weight)};
       system.cost += 0.5 * point.weight * error * error;
     }
-  for (int k = fixed; k < static_cast<int>(window.size()); ++k)
-    add_brightness_prior(window[static_cast<std::size_t>(k)], kN * (k - fixed), system);
+  for (int k = fixed; k < static_cast<int>(window.size()); ++k) {
+    const WindowKeyframe& key = window[static_cast<std::size_t>(k)];
+    brightness_prior(key.gain, key.bias).add_to(system, kN * (k - fixed) + 6);
+  }
 }
 
 }  // namespace
