@@ -153,7 +153,7 @@ def verb(function: Callable[[list[str]], int]) -> Callable[[list[str]], int]:
 
 
 def add_source_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("source", metavar="SOURCE", help="folder, archive, bag or phone's recording")
+    parser.add_argument("source", metavar="SOURCE", help="folder, archive, bag, phone's recording or camera:KIND")
     parser.add_argument("--camera", metavar="FILE", help="calibration of the colour camera")
     parser.add_argument("--depth-scale", type=float, metavar="UNITS", help="depth units per metre")
     for name, kind, text in SOURCE_OPTIONS:

@@ -243,7 +243,7 @@ def test_stray_scanner(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda p: (p / "x.mkv").write_bytes(b"") or p / "x.mkv", ".mkv is not read"),
+        (lambda p: (p / "x.mkv").write_bytes(b"") or p / "x.mkv", "x.mkv: cannot be read"),
         (lambda p: (p / "d-1.5-2.pgm").write_bytes(b"P5") and p, "NYU's raw recordings"),
         (lambda p: p, "no RGB-D sequence here"),
         (lambda p: p / "missing", "no such folder"),

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +12,48 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
+from edvo.sources.azure import AzureSource
 from edvo.sources.bag import BagSource
 from edvo.sources.bag_reader import is_bag
 from edvo.sources.base import Frame, Source
 from edvo.sources.folder import FolderSource
 from edvo.sources.listed import ListedSource
+from edvo.sources.live import LiveSource
+from edvo.sources.oak import OakSource
+from edvo.sources.openni import OpenNiSource
 from edvo.sources.pairs import find_folders, images_in, is_nyu_raw, open_pairs, refuse_nyu_raw
 from edvo.sources.phones import StraySource, is_record3d, is_stray, open_record3d
+from edvo.sources.realsense import RealSenseSource
 
 __all__ = [
+    "AzureSource",
     "BagSource",
     "FolderSource",
     "Frame",
     "ListedSource",
+    "LiveSource",
+    "OakSource",
+    "OpenNiSource",
+    "RealSenseSource",
     "Source",
     "open_source",
     "read_by_core",
 ]
+
+
+CAMERAS: dict[str, Callable[[str, Camera | str | Path | None], LiveSource]] = {
+    "realsense": RealSenseSource,
+    "oak": OakSource,
+    "openni": OpenNiSource,
+}
+CAMERA = "camera:"  # camera:realsense, camera:oak/SERIAL
+
+
+def open_camera(name: str, camera: Camera | str | Path | None) -> LiveSource:
+    kind, _, serial = name.removeprefix(CAMERA).partition("/")
+    if kind not in CAMERAS:
+        raise Error(f"{name}: no such camera; known: {', '.join(CAMERA + k for k in CAMERAS)}", code=2)
+    return CAMERAS[kind](serial, camera)
 
 
 def needs_python(path: Path) -> bool:
@@ -43,6 +69,8 @@ def needs_python(path: Path) -> bool:
 def read_by_core(path: str | Path) -> bool:
     """The C++ program opens it, or says why not."""
     place = Path(path)
+    if str(path).startswith(CAMERA):
+        return False
     if is_bag(place) or is_record3d(place) or place.suffix == ".mkv":
         return False
     if place.is_dir():
@@ -61,13 +89,20 @@ def open_source(
     colour_topic: str | None = None,
     depth_topic: str | None = None,
 ) -> Source:
-    """Opens a recording; what was recognised and chosen is in ``source.notes``.
+    """Opens a recording or a camera; what was recognised and chosen is in ``source.notes``.
 
+    ``path``: a folder, an archive, a bag, a phone's recording, or ``camera:realsense``,
+    ``camera:oak``, ``camera:openni`` (with /SERIAL, if there are several).
     ``camera`` and ``depth_camera``: a ``Camera`` or a calibration file. ``camera_size``: width and
     height of the images that ``camera`` was calibrated with, if these are of another size.
     ``depth_scale``: units per metre. ``colour_from_depth``: 4 x 4, for depth that is not registered to colour. Topics are for
     bags. Raises ``edvo.Error`` in one sentence if the recording cannot be opened.
     """
+    if str(path).startswith(CAMERA):
+        others = (depth_scale, depth_camera, colour_from_depth, colour_topic, depth_topic)
+        if any(value is not None for value in others):
+            raise Error(f"{path}: says its units itself; only --camera fits it", code=2)
+        return open_camera(str(path), camera)
     place = Path(path)
     registration: dict[str, Any] = {
         "depth_camera": depth_camera,
@@ -93,9 +128,9 @@ def open_source(
             raise Error(f"{path}: says its cameras and units itself; leave them out", code=2)
         return open_record3d(place) if is_record3d(place) else StraySource(place)
     if place.suffix == ".mkv":
-        raise Error(
-            f"{path}: Azure Kinect's .mkv is not read; `ros2 bag record` of its driver is", code=3
-        )
+        if any(value is not None for value in (depth_scale, depth_camera, colour_from_depth)):
+            raise Error(f"{path}: says its units and its depth camera itself; leave them out", code=2)
+        return AzureSource(place, camera)
     if place.is_dir():
         if is_nyu_raw(place):
             raise refuse_nyu_raw(place)

@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from edvo.camera import Camera
 from edvo.errors import Error, missing_extra
 from edvo.sources.base import metres
+from edvo.sources.rvl import decode_rvl
 
 COLOUR = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4, "8UC3": 3, "mono8": 1, "8UC1": 1}
 BAYER = {"bayer_rggb8": "BG", "bayer_bggr8": "RG", "bayer_gbrg8": "GR", "bayer_grbg8": "GB"}
 DEPTH = {"16UC1", "mono16", "32FC1", "Z16"}
 MILLIMETRES = 1000.0  # REP 118: 16-bit depth
+MOST_PIXELS = 1 << 26
 
 
 def opencv() -> Any:
@@ -93,15 +95,20 @@ def decode_depth(message: Any, units_per_metre: float | None) -> NDArray[np.floa
 
 
 def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
-    """image_transport's compressedDepth: a header of 12 bytes, then a PNG."""
-    if "rvl" in message.format.lower():
-        raise Error(f"depth compressed as {message.format}: RVL is not read, only PNG", code=3)
-    cv2 = opencv()
+    """image_transport's compressedDepth: a header of 12 bytes, then a PNG, or width, height and RVL."""
     data = np.asarray(message.data, np.uint8)
+    if len(data) < 20:
+        raise Error(f"depth compressed as {message.format}: only {len(data)} bytes", code=3)
     _, a, b = struct.unpack("<iff", data[:12].tobytes())
-    image = cv2.imdecode(data[12:], cv2.IMREAD_UNCHANGED)
+    if "rvl" in message.format.lower():
+        width, height = struct.unpack("<II", data[12:20].tobytes())
+        if not 0 < width * height <= MOST_PIXELS:
+            raise Error(f"depth compressed as {message.format}: {width} x {height} pixels", code=3)
+        image: Any = decode_rvl(data[20:], height, width)
+    else:
+        image = opencv().imdecode(data[12:], opencv().IMREAD_UNCHANGED)
     if image is None or image.dtype != np.uint16:
-        raise Error(f"depth compressed as {message.format}: no 16-bit PNG", code=3)
+        raise Error(f"depth compressed as {message.format}: no 16-bit image", code=3)
     if message.format.startswith("32FC1"):  # quantized inverse depth
         with np.errstate(divide="ignore"):
             depth = np.float32(a) / (image.astype(np.float32) - np.float32(b))
