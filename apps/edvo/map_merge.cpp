@@ -65,9 +65,11 @@ void merge(const Arguments& arguments) {
     maps.push_back(load_filled(file));
     require_alike(maps.front(), files.front(), maps.back(), file);
   }
-  const MergeOptions options{.tracking = options_of(maps.front(), files.front()).tracking,
+  const Config config = options_of(maps.front(), files.front());
+  const MergeOptions options{.tracking = config.tracking,
                              .loops = {},
                              .links = {},
+                             .window = config.window,
                              .threads = arguments.threads};
   SavedMap whole = std::move(maps.front());
   maps.erase(maps.begin());

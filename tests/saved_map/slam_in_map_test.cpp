@@ -80,6 +80,7 @@ MergeOptions merge_options(int threads = 1) {
   return {.tracking = preset(Method::kCannyCorner).tracking,
           .loops = {},
           .links = {},
+          .window = preset(Method::kCannyCorner).window,
           .threads = threads};
 }
 

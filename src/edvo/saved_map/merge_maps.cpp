@@ -2,6 +2,7 @@
 #include "edvo/saved_map/merge_maps.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/saved_map/refine_map.hpp"
 #include "edvo/slam/pose_graph.hpp"
 
 #include <fmt/core.h>
@@ -203,6 +204,7 @@ MergedMaps merge_maps(const SavedMap& first, const SavedMap& second, const Merge
         first_segments)
       joined.insert(key.segment);
   merged.joined.assign(joined.begin(), joined.end());
+  if (!options.hold_first && !joined.empty()) refine_map(all, options.window, options.threads);
   return merged;
 }
 

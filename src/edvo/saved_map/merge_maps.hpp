@@ -12,6 +12,7 @@ struct MergeOptions {
   AlignOptions tracking;  // of the methods that made the maps
   LoopOptions loops;
   LinkOptions links;
+  WindowOptions window;     // of the last refinement
   bool hold_first = false;  // the first map's poses stay as they are
   int threads = 2;          // the result is the same for any number
 };
@@ -26,8 +27,9 @@ struct MergedMaps {
 
 // Keyframes of the second are looked for in the first and verified, as Slam does between segments;
 // where two links agree, the second's segment is moved into the first's frame, and all poses are
-// brought to where steps and links agree best. Nothing is joined where nothing is found. Throws
-// Error(kMap) if the cameras differ.
+// brought to where steps and links agree best, and refined jointly on their pixels (unless the
+// first map is held). Nothing is joined where nothing is found. Throws Error(kMap) if the cameras
+// differ.
 [[nodiscard]] MergedMaps merge_maps(const SavedMap& first, const SavedMap& second,
                                     const MergeOptions& options);
 

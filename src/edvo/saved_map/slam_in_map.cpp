@@ -27,6 +27,7 @@ void SlamInMap::finish(int threads) {
                                  {.tracking = config_.tracking,
                                   .loops = options_.loops,
                                   .links = options_.links,
+                                  .window = config_.window,
                                   .hold_first = !extend_,
                                   .threads = threads});
   localization_ = {.segments = adopt(merged), .links = std::move(merged.links)};
