@@ -38,8 +38,10 @@ World around(const SE3& drift) {
   for (int i = 0; i < 16; ++i) {
     world.truth.push_back(truth);
     world.map.push_back({.id = i, .stamp = stamp_from_seconds(i, 6), .world_from_camera = pose});
-    if (i > 0) world.steps.push_back({.from = i - 1, .to = i, .information = information()});
     const SE3 step = motion(0.25, 0, i % 4 == 3 ? 1.5707963 : 0);
+    if (i < 15)
+      world.steps.push_back(
+          {.from = i, .to = i + 1, .from_pose_to = step * drift, .information = information()});
     truth = truth * step;
     pose = pose * step * drift;
   }

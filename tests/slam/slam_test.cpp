@@ -104,8 +104,9 @@ TEST(Slam, JoinsTheSegmentsOfOneRoomAndNotThoseOfOthers) {
   EXPECT_EQ(segments_of(slam.trajectory()), (std::set<int>{0, 1, 2}));
   EXPECT_LT(evaluate(taken.truth, slam.trajectory()).ate.distance.rmse, 0.01);
   for (const LinkReport& link : slam.links())
-    if (slam.map()[link.from].segment != slam.map()[link.to].segment)
+    if (slam.map()[link.from].segment != slam.map()[link.to].segment) {
       EXPECT_NE(link.status, LinkStatus::kAccepted) << link.from << " to " << link.to;
+    }
 }
 
 TEST(Slam, AcceptsNoWrongLinkAndDoesNoHarmOnAPathToAndFro) {
@@ -135,6 +136,34 @@ TEST(Slam, SameBitsWithAnyNumberOfThreads) {
     EXPECT_EQ(a[i].world_from_camera.translation, b[i].world_from_camera.translation);
     EXPECT_EQ(a[i].world_from_camera.rotation.coeffs(), b[i].world_from_camera.rotation.coeffs());
   }
+}
+
+// Where the odometry begins anew, it is found among keyframes of three segments before.
+TEST(Slam, FindsAKidnappedCameraWithinTenFramesWhileImagesCome) {
+  const Taken taken = carried_away_and_back();
+  const SE3 first = taken.truth.front().world_from_camera;
+  Slam slam({.pinhole = test::kQvgaCamera}, preset(Method::kCannyCorner));
+  int frames = 0, found_after = -1;
+  for (const RgbdImage& image : taken.images) {
+    const FrameResult result = slam.process(image);
+    const MapFrame frame = slam.map_frame(result.segment);
+    if (result.segment == 1 || result.segment == 2) {
+      EXPECT_EQ(frame.segment, result.segment) << "another room was taken for the first";
+    }
+    if (result.segment != 3 || result.status == FrameStatus::kLost) continue;
+    ++frames;
+    if (frame.segment != 0) continue;
+    if (found_after < 0) found_after = frames;
+    const auto truth =
+        std::find_if(taken.truth.begin(), taken.truth.end(),
+                     [&](const StampedPose& pose) { return pose.stamp == image.stamp; });
+    const SE3 error = inverse(inverse(first) * truth->world_from_camera) *
+                      (frame.map_from_odometry * result.world_from_camera);
+    EXPECT_LT(error.translation.norm(), 0.05);
+    EXPECT_LT(rotation_angle(error), 0.035);
+  }
+  EXPECT_GT(found_after, 0);
+  EXPECT_LE(found_after, 10);
 }
 
 TEST(Slam, AnEmptyRunHasNothing) {

@@ -90,12 +90,11 @@ TEST(VerifyLink, RefusesAViewThroughWhatTheOtherMeasured) {
   EXPECT_GT(report.seen_through, 0.05);
 }
 
-TEST(VerifyLink, AWrongGuessGivesWayToTheCorners) {
+TEST(VerifyLink, RefusesAWrongGuess) {
   const synth::SyntheticSequence sequence = office(1);
   const SE3 wrong{.translation = {1.0, 0, 0.5}};
   const LinkReport report = verify_link(view_of(sequence, 0), view_of(sequence, 25), wrong, {}, {});
-  EXPECT_EQ(report.status, LinkStatus::kAccepted) << name_of(report.status);
-  EXPECT_THAT(report.from_pose_to, NearPose(motion_between(sequence, 0, 25), 0.01));
+  EXPECT_NE(report.status, LinkStatus::kAccepted);
 }
 
 }  // namespace

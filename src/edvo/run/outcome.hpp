@@ -76,7 +76,8 @@ struct RunOutcome {
   FrameCounts counts;
   Stamp first_stamp;      // of the first frame that was processed
   Trajectory trajectory;  // after all refinement; see Odometry::trajectory() for what is left out
-  Trajectory online;      // each pose as known when its frame was processed, restarted ones too
+  Trajectory online;      // each pose in the map as known when its frame was processed, restarted
+                          // ones too
   Trajectory keyframes;   // as known at the end
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;   // why there is none

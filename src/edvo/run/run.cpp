@@ -35,14 +35,15 @@ std::variant<FrameResult, Error> track(Tracker& tracker, const PreparedFrame& fr
   }
 }
 
-void add_result(const FrameResult& result, const Frame& image, const Observers& observers,
-                RunOutcome& outcome) {
+void add_result(const FrameResult& result, const MapFrame& map_frame, const Frame& image,
+                const Observers& observers, RunOutcome& outcome) {
   if (frames_processed(outcome.counts) == 0) outcome.first_stamp = result.stamp;
   add_to(outcome.counts, result);
   if (result.status != FrameStatus::kLost)
-    outcome.online.push_back({.stamp = result.stamp,
-                              .world_from_camera = result.world_from_camera,
-                              .segment = result.segment});
+    outcome.online.push_back(
+        {.stamp = result.stamp,
+         .world_from_camera = map_frame.map_from_odometry * result.world_from_camera,
+         .segment = map_frame.segment});
   tell(observers, &Observer::frame, result, image);
 }
 
@@ -95,7 +96,8 @@ void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observer
       add_skipped(*frame, *error, observers, outcome);
     } else {
       const FrameResult& result = std::get<FrameResult>(tracked);
-      add_result(result, std::get<PreparedImage>(frame->content).frame, observers, outcome);
+      add_result(result, tracker.map_frame(result.segment),
+                 std::get<PreparedImage>(frame->content).frame, observers, outcome);
       if (result.new_keyframe) tell_keyframe(tracker, observers);
       tell_map(tracker.map(), map_version, observers);
     }

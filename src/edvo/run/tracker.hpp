@@ -3,7 +3,7 @@
 #pragma once
 
 #include "edvo/odometry/odometry.hpp"
-#include "edvo/slam/verify_link.hpp"
+#include "edvo/slam/relocalizer.hpp"
 
 #include <vector>
 
@@ -20,6 +20,8 @@ class Tracker {
   [[nodiscard]] virtual Trajectory keyframe_trajectory() const = 0;
   [[nodiscard]] virtual const Map& map() const = 0;
   [[nodiscard]] virtual KeyframePtr newest_keyframe() const = 0;
+  // Of Slam; an odometry knows its own frames only.
+  [[nodiscard]] virtual MapFrame map_frame(int segment) const = 0;
   // Of Slam; an odometry looks for none.
   [[nodiscard]] virtual std::vector<LinkReport> links() const = 0;
 };
@@ -40,6 +42,12 @@ class TrackerOf final : public Tracker {
   }
   [[nodiscard]] const Map& map() const override { return tracker_.map(); }
   [[nodiscard]] KeyframePtr newest_keyframe() const override { return tracker_.newest_keyframe(); }
+  [[nodiscard]] MapFrame map_frame(int segment) const override {
+    if constexpr (requires { tracker_.map_frame(segment); })
+      return tracker_.map_frame(segment);
+    else
+      return {.segment = segment, .map_from_odometry = {}};
+  }
   [[nodiscard]] std::vector<LinkReport> links() const override {
     if constexpr (requires { tracker_.links(); })
       return tracker_.links();

@@ -2,145 +2,259 @@
 #include "edvo/slam/link_search.hpp"
 
 #include "edvo/core/parallel.hpp"
+#include "edvo/slam/map_correction.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <tuple>
+#include <utility>
 
 namespace edvo {
 namespace {
 
 constexpr std::int64_t kSameVisit = 4;  // keyframes this close in time tell the same
+constexpr double kNothingNew = 12.59;   // chi-square of 6 degrees of freedom at 0.95
+constexpr double kView = 0.5;           // [0..1] of the points that both must see of each other
+constexpr int kViewPoints = 60;         // of a place, to tell how much of a view is shared
+constexpr double kTurned = 0.7;         // cosine between directions of view
+constexpr std::size_t kByPose = 2;      // of each keyframe
 
-class LinkSearch {
- public:
-  LinkSearch(const std::vector<Place>& places, std::span<const MapKeyframe> map,
-             const Camera& camera, const AlignOptions& tracking, const LinkOptions& links,
-             const LoopOptions& loops, int threads, std::size_t first_new)
-      : places_(places),
-        map_(map),
-        camera_(camera),
-        tracking_(tracking),
-        links_(links),
-        loops_(loops),
-        first_new_(first_new),
-        signatures_(places.size()) {
-    for_each_index(static_cast<int>(places.size()), threads, [&](int i) {
-      signatures_[static_cast<std::size_t>(i)] =
-          make_signature(places_[static_cast<std::size_t>(i)], camera_);
-    });
-    for (std::size_t i = 0; i < places.size(); ++i)
-      index_.add(static_cast<std::int64_t>(i), signatures_[i].code);
+using KeyframeMap = std::span<const MapKeyframe>;
+
+const MapKeyframe& key(KeyframeMap map, std::int64_t id) {
+  return map[static_cast<std::size_t>(id)];
+}
+
+SE3 mapped_motion(KeyframeMap map, std::int64_t from, std::int64_t to) {
+  return inverse(key(map, from).world_from_camera) * key(map, to).world_from_camera;
+}
+
+// Whether the map tells the same as an aligned link, as far as the link can tell.
+bool tells_nothing_new(KeyframeMap map, const LinkReport& link) {
+  if (key(map, link.from).segment != key(map, link.to).segment) return false;
+  const Vector6d error = log(inverse(link.from_pose_to) * mapped_motion(map, link.from, link.to));
+  return error.dot(graph_information(link) * error) < kNothingNew;
+}
+
+// Share of some of a place's points that lie in the other's image.
+double seen_share(const Place& of, const SE3& other_from_this, const Camera& camera) {
+  const std::size_t step = std::max<std::size_t>(1, of.points.size() / kViewPoints);
+  int seen = 0, all = 0;
+  for (std::size_t i = 0; i < of.points.size(); i += step) {
+    const Eigen::Vector3d p = other_from_this * of.points[i].cast<double>();
+    ++all;
+    const double z = static_cast<double>(of.points[i].z());
+    if (p.z() < 0.5 * z || p.z() > 2 * z) continue;  // too different in scale
+    const Eigen::Vector2d pixel = project(camera, p);
+    seen += pixel.x() > 0 && pixel.y() > 0 && pixel.x() < camera.width - 1 &&
+                    pixel.y() < camera.height - 1
+                ? 1
+                : 0;
   }
+  return all > 0 ? static_cast<double>(seen) / all : 0.0;
+}
 
-  [[nodiscard]] std::vector<LinkReport> links_of(std::size_t to) const {
-    std::vector<LinkReport> reports;
-    for (const PlaceMatch& match : candidates(to)) {
-      const auto from = static_cast<std::size_t>(match.id);
-      LinkReport report{.from = places_[from].id, .to = places_[to].id};
-      report.similarity = match.similarity;
-      const std::optional<SE3> motion =
-          motion_of_corners(signatures_[from].features, signatures_[to].features, links_, report);
-      if (motion) {
-        report.from_pose_to = *motion;
-        report.status = is_known(report) ? LinkStatus::kKnown : LinkStatus::kAccepted;
-      }
-      reports.push_back(report);
-    }
-    verify_best(to, reports);
-    return reports;
-  }
+double shared_view(const Place& from, const Place& to, const SE3& from_pose_to,
+                   const Camera& camera) {
+  if (from_pose_to.rotation.toRotationMatrix()(2, 2) < kTurned) return 0;
+  const double share = seen_share(to, from_pose_to, camera);
+  return share < kView ? share : std::min(share, seen_share(from, inverse(from_pose_to), camera));
+}
 
- private:
-  [[nodiscard]] const MapKeyframe& key(std::int64_t id) const {
-    return map_[static_cast<std::size_t>(id)];
-  }
-
-  // The most similar places of other segments and of earlier visits, one of each visit.
-  [[nodiscard]] std::vector<PlaceMatch> candidates(std::size_t to) const {
-    std::vector<PlaceMatch> chosen;
-    const auto most = static_cast<std::size_t>(loops_.place_candidates);
-    const std::int64_t id = places_[to].id;
-    for (const PlaceMatch& match : index_.search(
-             signatures_[to].code, static_cast<std::int64_t>(first_new_ > 0 ? first_new_ : to),
-             8 * most + static_cast<std::size_t>(loops_.recent))) {
-      if (chosen.size() == most || match.similarity < loops_.min_similarity) break;
-      const std::int64_t other = places_[static_cast<std::size_t>(match.id)].id;
-      if (key(other).segment == key(id).segment && id - other <= loops_.recent) continue;
-      const bool joined = key(other).segment != key(id).segment;
-      const auto is_near = [&](const PlaceMatch& c) {
-        return !joined && std::abs(places_[static_cast<std::size_t>(c.id)].id - other) < kSameVisit;
-      };
-      if (std::none_of(chosen.begin(), chosen.end(), is_near)) chosen.push_back(match);
-    }
-    return chosen;
-  }
-
-  [[nodiscard]] bool is_known(const LinkReport& report) const {
-    const MapKeyframe &from = key(report.from), &to = key(report.to);
-    if (from.segment != to.segment) return false;
-    const SE3 mapped = inverse(from.world_from_camera) * to.world_from_camera;
-    const SE3 error = inverse(mapped) * report.from_pose_to;
-    return error.translation.norm() <
-               loops_.known_translation + loops_.known_share * mapped.translation.norm() &&
-           rotation_angle(error) <
-               loops_.known_rotation + loops_.known_share * rotation_angle(mapped);
-  }
-
-  // Those of most inliers are aligned; the others stay unverified.
-  void verify_best(std::size_t to, std::vector<LinkReport>& reports) const {
-    std::vector<std::size_t> order;
-    for (std::size_t k = 0; k < reports.size(); ++k)
-      if (reports[k].status == LinkStatus::kAccepted) order.push_back(k);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return reports[a].inliers > reports[b].inliers;
-    });
-    std::optional<KeyframeView> view;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      LinkReport& report = reports[order[k]];
-      if (k >= static_cast<std::size_t>(loops_.verified)) {
-        report.status = LinkStatus::kNotTried;
-        continue;
-      }
-      if (!view) view = make_view(keyframe_of(places_[to]), camera_, tracking_);
-      const auto from =
-          std::lower_bound(places_.begin(), places_.end(), report.from,
-                           [](const Place& place, std::int64_t id) { return place.id < id; });
-      const double similarity = report.similarity;
-      report = verify_link(make_view(keyframe_of(*from), camera_, tracking_), *view,
-                           report.from_pose_to, tracking_, links_);
-      report.similarity = similarity;
-      if (report.status == LinkStatus::kAccepted && is_known(report))
-        report.status = LinkStatus::kKnown;
+// Of candidates whose motion is found, at most so many stay: those of each keyframe with most
+// inliers first, and of these, spread evenly over the recording.
+void choose_verified(std::vector<std::vector<LinkReport>>& found, int per_keyframe, int most) {
+  std::vector<std::pair<std::size_t, LinkReport*>> chosen;  // by rank
+  for (std::vector<LinkReport>& reports : found) {
+    std::vector<LinkReport*> with_motion;
+    for (LinkReport& report : reports)
+      if (report.status == LinkStatus::kAccepted) with_motion.push_back(&report);
+    std::stable_sort(with_motion.begin(), with_motion.end(),
+                     [](const auto* a, const auto* b) { return a->inliers > b->inliers; });
+    for (std::size_t rank = 0; rank < with_motion.size(); ++rank) {
+      with_motion[rank]->status = LinkStatus::kNotTried;
+      if (rank < static_cast<std::size_t>(per_keyframe))
+        chosen.emplace_back(rank, with_motion[rank]);
     }
   }
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto limit = static_cast<std::size_t>(most);
+  const std::size_t count = std::min(limit, chosen.size());
+  for (std::size_t k = 0; k < count; ++k)
+    chosen[k * chosen.size() / count].second->status = LinkStatus::kAccepted;
+}
 
-  const std::vector<Place>& places_;
-  std::span<const MapKeyframe> map_;
-  Camera camera_;
-  AlignOptions tracking_;
-  LinkOptions links_;
-  LoopOptions loops_;
-  std::size_t first_new_;
-  std::vector<PlaceSignature> signatures_;
-  PlaceIndex index_;  // by position in places_
-};
+std::vector<LinkReport> joined(const std::vector<std::vector<LinkReport>>& parts) {
+  std::vector<LinkReport> all;
+  for (const std::vector<LinkReport>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
 
 }  // namespace
 
-std::vector<LinkReport> find_links(const std::vector<Place>& places,
-                                   std::span<const MapKeyframe> map, const Camera& camera,
-                                   const AlignOptions& tracking, const LinkOptions& links,
-                                   const LoopOptions& loops, int threads, std::size_t first_new) {
-  const LinkSearch search(places, map, camera, tracking, links, loops, threads, first_new);
-  std::vector<std::vector<LinkReport>> found(places.size());
-  for_each_index(static_cast<int>(places.size()), threads, [&](int i) {
-    const auto place = static_cast<std::size_t>(i);
-    if (place >= first_new) found[place] = search.links_of(place);
+LinkSearch::LinkSearch(const std::vector<Place>& places, const Camera& camera,
+                       const SearchOptions& options)
+    : places_(places),
+      camera_(camera),
+      options_(options),
+      signatures_(places.size()),
+      has_signature_(places.size(), false) {}
+
+void LinkSearch::make_signatures(std::size_t every) {
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < places_.size(); i += every)
+    if (!has_signature_[i]) missing.push_back(i);
+  for_each_index(static_cast<int>(missing.size()), options_.threads, [&](int k) {
+    const std::size_t i = missing[static_cast<std::size_t>(k)];
+    signatures_[i] = make_signature(places_[i], camera_);
   });
-  std::vector<LinkReport> all;
-  for (const std::vector<LinkReport>& reports : found)
-    all.insert(all.end(), reports.begin(), reports.end());
-  return all;
+  for (const std::size_t i : missing) has_signature_[i] = true;
+}
+
+std::vector<LinkReport> LinkSearch::by_looks(KeyframeMap map, std::size_t every, int most_verified,
+                                             std::size_t below) {
+  make_signatures(every);
+  PlaceIndex index;  // by position in places_
+  std::vector<std::size_t> searched;
+  for (std::size_t i = 0; i < places_.size(); i += every) {
+    index.add(static_cast<std::int64_t>(i), signatures_[i].code);
+    if (i >= below) searched.push_back(i);
+  }
+  std::vector<std::vector<LinkReport>> found(searched.size());
+  for_each_index(static_cast<int>(searched.size()), options_.threads, [&](int k) {
+    const std::size_t to = searched[static_cast<std::size_t>(k)];
+    found[static_cast<std::size_t>(k)] = candidates_of(map, index, to, below > 0 ? below : to);
+  });
+  choose_verified(found, options_.loops.verified, most_verified);
+  for_each_index(static_cast<int>(searched.size()), options_.threads,
+                 [&](int k) { verify(map, found[static_cast<std::size_t>(k)]); });
+  return joined(found);
+}
+
+// With a motion by their corners where there is one.
+std::vector<LinkReport> LinkSearch::candidates_of(KeyframeMap map, const PlaceIndex& index,
+                                                  std::size_t to, std::size_t below) const {
+  std::vector<LinkReport> reports;
+  for (const PlaceMatch& match : similar_places(map, index, to, below)) {
+    const auto from = static_cast<std::size_t>(match.id);
+    LinkReport report{.from = places_[from].id, .to = places_[to].id};
+    report.similarity = match.similarity;
+    const std::optional<SE3> motion = motion_of_corners(
+        signatures_[from].features, signatures_[to].features, options_.links, report);
+    if (motion) {
+      report.from_pose_to = *motion;
+      report.status = differs_little(map, report) ? LinkStatus::kKnown : LinkStatus::kAccepted;
+    }
+    reports.push_back(report);
+  }
+  return reports;
+}
+
+// The most similar places of other segments and of earlier visits, one of each visit.
+std::vector<PlaceMatch> LinkSearch::similar_places(KeyframeMap map, const PlaceIndex& index,
+                                                   std::size_t to, std::size_t below) const {
+  const LoopOptions& loops = options_.loops;
+  std::vector<PlaceMatch> chosen;
+  const auto most = static_cast<std::size_t>(loops.place_candidates);
+  const std::int64_t id = places_[to].id;
+  for (const PlaceMatch& match :
+       index.search(signatures_[to].code, static_cast<std::int64_t>(below),
+                    8 * most + static_cast<std::size_t>(loops.recent))) {
+    if (chosen.size() == most || match.similarity < loops.min_similarity) break;
+    const std::int64_t other = places_[static_cast<std::size_t>(match.id)].id;
+    const bool is_joined = key(map, other).segment == key(map, id).segment;
+    if (is_joined && id - other <= loops.recent) continue;
+    const auto is_near = [&](const PlaceMatch& c) {
+      return is_joined && std::abs(places_[static_cast<std::size_t>(c.id)].id - other) < kSameVisit;
+    };
+    if (std::none_of(chosen.begin(), chosen.end(), is_near)) chosen.push_back(match);
+  }
+  return chosen;
+}
+
+// By corners alone, which tell a motion to a centimetre or two.
+bool LinkSearch::differs_little(KeyframeMap map, const LinkReport& report) const {
+  if (key(map, report.from).segment != key(map, report.to).segment) return false;
+  const LoopOptions& loops = options_.loops;
+  const SE3 mapped = mapped_motion(map, report.from, report.to);
+  const SE3 error = inverse(mapped) * report.from_pose_to;
+  return error.translation.norm() <
+             loops.known_translation + loops.known_share * mapped.translation.norm() &&
+         rotation_angle(error) < loops.known_rotation + loops.known_share * rotation_angle(mapped);
+}
+
+const Place& LinkSearch::place_of(std::int64_t id) const {
+  return *std::lower_bound(places_.begin(), places_.end(), id,
+                           [](const Place& place, std::int64_t other) { return place.id < other; });
+}
+
+// Aligns those of one keyframe whose motion is found.
+void LinkSearch::verify(KeyframeMap map, std::vector<LinkReport>& reports) const {
+  std::optional<KeyframeView> to;
+  for (LinkReport& report : reports) {
+    if (report.status != LinkStatus::kAccepted) continue;
+    if (!to) to = make_view(keyframe_of(place_of(report.to)), camera_, options_.tracking);
+    const LinkReport before = report;
+    report = verify_link(make_view(keyframe_of(place_of(report.from)), camera_, options_.tracking),
+                         *to, report.from_pose_to, options_.tracking, options_.links);
+    report.similarity = before.similarity;
+    report.matches = std::max(report.matches, before.matches);
+    report.inliers = std::max(report.inliers, before.inliers);
+    if (report.status == LinkStatus::kAccepted && tells_nothing_new(map, report))
+      report.status = LinkStatus::kKnown;
+  }
+}
+
+std::vector<LinkReport> LinkSearch::by_pose(KeyframeMap map, std::span<const LinkReport> tried,
+                                            int most_verified) const {
+  std::set<std::pair<std::int64_t, std::int64_t>> aligned;
+  for (const LinkReport& link : tried)
+    if (link.status != LinkStatus::kNoMotion && link.status != LinkStatus::kFewMatches)
+      aligned.emplace(link.from, link.to);
+  std::vector<std::vector<LinkReport>> found(places_.size());
+  for_each_index(static_cast<int>(places_.size()), options_.threads, [&](int i) {
+    const auto t = static_cast<std::size_t>(i);
+    const Place& to = places_[t];
+    std::vector<std::pair<double, std::size_t>> views;  // negated: the best first
+    for (std::size_t f = 0; f < t; ++f) {
+      const Place& from = places_[f];
+      if (to.id - from.id <= options_.loops.recent ||
+          key(map, from.id).segment != key(map, to.id).segment ||
+          aligned.contains({from.id, to.id}))
+        continue;
+      const double view = shared_view(from, to, mapped_motion(map, from.id, to.id), camera_);
+      if (view >= kView) views.emplace_back(-view, f);
+    }
+    std::sort(views.begin(), views.end());
+    for (const auto& [view, f] : views) {
+      const std::int64_t other = places_[f].id;
+      if (found[t].size() == kByPose) break;
+      if (std::any_of(found[t].begin(), found[t].end(), [&](const LinkReport& link) {
+            return std::abs(link.from - other) < kSameVisit;
+          }))
+        continue;
+      LinkReport report{.from = other, .to = to.id, .status = LinkStatus::kAccepted};
+      report.from_pose_to = mapped_motion(map, other, to.id);
+      found[t].push_back(report);
+    }
+  });
+  choose_verified(found, static_cast<int>(kByPose), most_verified);
+  for (std::vector<LinkReport>& reports : found)
+    std::erase_if(reports, [](const auto& r) { return r.status == LinkStatus::kNotTried; });
+  for_each_index(static_cast<int>(places_.size()), options_.threads,
+                 [&](int i) { verify(map, found[static_cast<std::size_t>(i)]); });
+  return joined(found);
+}
+
+std::vector<LinkReport> find_links(const std::vector<Place>& places, KeyframeMap map,
+                                   const Camera& camera, const AlignOptions& tracking,
+                                   const LinkOptions& links, const LoopOptions& loops, int threads,
+                                   std::size_t first_new) {
+  LinkSearch search(places, camera,
+                    {.tracking = tracking, .links = links, .loops = loops, .threads = threads});
+  return search.by_looks(map, 1, loops.most_verified, first_new);
 }
 
 }  // namespace edvo

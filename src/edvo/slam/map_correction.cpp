@@ -13,10 +13,11 @@ constexpr int kSupport = 2;        // links that agree, for two segments to be j
 
 // Sigmas of a step of the odometry beside those that tracking reports.
 constexpr double kStepSigma = 0.001;  // [m], [rad]
-// Of a link beside those that alignment reports. The wider the baseline, the more alike pixels hide
-// that they are not the same: both directions then agree on a motion that is off by some percent.
-constexpr double kLinkSigma = 0.02;  // [m], [rad]
-constexpr double kLinkShare = 0.1;   // of the link's own translation and rotation
+// Of a link beside those that alignment reports: shares of the difference between its two
+// directions and, as alike pixels of a wide baseline hide that they are not the same, of its own
+// motion.
+constexpr double kLinkTranslation = 0.01, kLinkRotation = 0.006;  // [m], [rad]
+constexpr double kLinkDifference = 0.5, kLinkShare = 0.03;
 
 const MapKeyframe& at(const std::vector<MapKeyframe>& keyframes, std::int64_t id) {
   return keyframes[static_cast<std::size_t>(id)];
@@ -97,10 +98,16 @@ Matrix6d step_information(const OdometryStep& step) {
   return weaken(step.information, kStepSigma, kStepSigma);
 }
 
+Matrix6d graph_information(const LinkReport& link) {
+  return weaken(link.information,
+                kLinkTranslation + kLinkDifference * link.translation_difference +
+                    kLinkShare * link.from_pose_to.translation.norm(),
+                kLinkRotation + kLinkDifference * link.rotation_difference +
+                    kLinkShare * rotation_angle(link.from_pose_to));
+}
+
 void weaken_link(LinkReport& link) {
-  link.information =
-      weaken(link.information, kLinkSigma + kLinkShare * link.from_pose_to.translation.norm(),
-             kLinkSigma + kLinkShare * rotation_angle(link.from_pose_to));
+  link.information = graph_information(link);
 }
 
 void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
@@ -116,25 +123,25 @@ void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<Odometry
                            .kind = kind});
   };
   for (const OdometryStep& step : steps)
-    add(step.from, step.to,
-        inverse(at(keyframes, step.from).world_from_camera) *
-            at(keyframes, step.to).world_from_camera,
-        step_information(step), LinkKind::kOdometry);
+    add(step.from, step.to, step.from_pose_to, step_information(step), LinkKind::kOdometry);
   std::vector<LinkReport*> used;
   for (LinkReport& link : links) {
-    if (link.status != LinkStatus::kAccepted) continue;
-    weaken_link(link);
-    add(link.from, link.to, link.from_pose_to, link.information, LinkKind::kLoop);
+    const bool is_aligned_and_known =
+        link.status == LinkStatus::kKnown && !link.information.isZero();
+    if (link.status != LinkStatus::kAccepted && !is_aligned_and_known) continue;
+    add(link.from, link.to, link.from_pose_to, graph_information(link), LinkKind::kLoop);
     used.push_back(&link);
   }
-  if (used.empty()) return;
+  const auto is_new = [](const LinkReport* link) { return link->status == LinkStatus::kAccepted; };
+  if (std::none_of(used.begin(), used.end(), is_new)) return;
   const GraphSummary summary = select_links(graph);
   for (std::size_t k = 0; k < used.size(); ++k) {
     const GraphLink& link = graph.links[steps.size() + k];
     used[k]->cycle_chi_square = chi_square(graph, link);
     if (!link.enabled) used[k]->status = LinkStatus::kCycle;
   }
-  if (summary.status == GraphStatus::kNotFinite) return;
+  if (summary.status == GraphStatus::kNotFinite || std::none_of(used.begin(), used.end(), is_new))
+    return;
   for (std::size_t i = 0; i < keyframes.size(); ++i)
     keyframes[i].world_from_camera = graph.world_from_node[i];
 }

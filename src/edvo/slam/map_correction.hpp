@@ -17,17 +17,22 @@ void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>&
 // From a keyframe to the next one of its segment, as tracked and refined.
 struct OdometryStep {
   KeyframeId from = 0, to = 0;
+  SE3 from_pose_to;                         // as refined while images came
   Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi), as tracked
 };
 
 // With what tracking does not tell added.
 [[nodiscard]] Matrix6d step_information(const OdometryStep& step);
 
-// Adds to a link's sigmas what alignment does not tell.
+// Of an aligned link, with what alignment does not tell added.
+[[nodiscard]] Matrix6d graph_information(const LinkReport& link);
+
+// Takes that over into the link.
 void weaken_link(LinkReport& link);
 
 // Moves keyframes to where the odometry's steps and accepted links agree best. Links that
-// contradict the others become kCycle. Changes no pose if no link holds. keyframes: by id.
+// contradict the others become kCycle. Aligned links that are known hold what is right already; if
+// there are no others, or none of them holds, no pose changes. keyframes: by id.
 void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
                  std::vector<LinkReport>& links);
 

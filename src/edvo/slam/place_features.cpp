@@ -3,6 +3,7 @@
 
 #include "edvo/core/random.hpp"
 #include "edvo/features/corners.hpp"
+#include "edvo/simd/dispatch.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -131,17 +132,22 @@ int pixel_at(const cv::Mat_<std::uint8_t>& gray, float u, float v) {
 // Unit vector from a patch's middle to its centre of brightness.
 cv::Point2f direction(const cv::Mat_<std::uint8_t>& gray, float u, float v, float radius) {
   const int r = static_cast<int>(radius);
-  float along_x = 0, along_y = 0;
-  for (int dy = -r; dy <= r; ++dy)
-    for (int dx = -r; dx <= r; ++dx) {
-      if (dx * dx + dy * dy > r * r) continue;
-      const auto value = static_cast<float>(
-          pixel_at(gray, u + static_cast<float>(dx), v + static_cast<float>(dy)));
-      along_x += static_cast<float>(dx) * value;
-      along_y += static_cast<float>(dy) * value;
+  const int x = static_cast<int>(std::floor(u + 0.5F)), y = static_cast<int>(std::floor(v + 0.5F));
+  int along_x = 0, along_y = 0;
+  for (int dy = -r; dy <= r; ++dy) {
+    const std::uint8_t* const row = gray[std::clamp(y + dy, 0, gray.rows - 1)];
+    const int half = static_cast<int>(std::sqrt(static_cast<float>(r * r - dy * dy)));
+    int sum = 0;
+    for (int dx = -half; dx <= half; ++dx) {
+      const int value = row[std::clamp(x + dx, 0, gray.cols - 1)];
+      along_x += dx * value;
+      sum += value;
     }
-  const float length = std::sqrt(along_x * along_x + along_y * along_y);
-  return length > 0 ? cv::Point2f(along_x / length, along_y / length) : cv::Point2f(1, 0);
+    along_y += dy * sum;
+  }
+  const auto fx = static_cast<float>(along_x), fy = static_cast<float>(along_y);
+  const float length = std::sqrt(fx * fx + fy * fy);
+  return length > 0 ? cv::Point2f(fx / length, fy / length) : cv::Point2f(1, 0);
 }
 
 Descriptor describe(const std::vector<SmoothLevel>& levels, const Candidate& corner, float radius) {
@@ -190,32 +196,53 @@ int distance(const Descriptor& a, const Descriptor& b) {
   return bits;
 }
 
+namespace {
+
+constexpr int kNone = 1000;  // more bits than there are
+
+// Nearest and second nearest of the other keyframe.
+struct Nearest {
+  int first = kNone, second = kNone;
+  std::size_t index = 0;
+};
+
+// Distances from one descriptor to many.
+EDVO_CLONES void distances(const Descriptor& from, const PlaceFeature* to, std::size_t count,
+                           int* bits) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const Descriptor& other = to[k].descriptor;
+    int sum = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) sum += __builtin_popcountll(from[i] ^ other[i]);
+    bits[k] = sum;
+  }
+}
+
+void offer(int bits, std::size_t index, Nearest& nearest) {
+  if (bits < nearest.first) {
+    nearest.second = nearest.first;
+    nearest.first = bits;
+    nearest.index = index;
+  } else if (bits < nearest.second) {
+    nearest.second = bits;
+  }
+}
+
+}  // namespace
+
 std::vector<FeatureMatch> match_features(const std::vector<PlaceFeature>& a,
                                          const std::vector<PlaceFeature>& b) {
-  constexpr int kNone = 1000;
-  struct Best {
-    int first = kNone, second = kNone;
-    std::size_t index = 0;
-    void offer(int bits, std::size_t i) {
-      if (bits < first) {
-        second = first;
-        first = bits;
-        index = i;
-      } else if (bits < second) {
-        second = bits;
-      }
-    }
-  };
-  std::vector<Best> of_a(a.size()), of_b(b.size());
-  for (std::size_t i = 0; i < a.size(); ++i)
+  std::vector<Nearest> of_a(a.size()), of_b(b.size());
+  std::vector<int> bits(b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    distances(a[i].descriptor, b.data(), b.size(), bits.data());
     for (std::size_t k = 0; k < b.size(); ++k) {
-      const int bits = distance(a[i].descriptor, b[k].descriptor);
-      of_a[i].offer(bits, k);
-      of_b[k].offer(bits, i);
+      offer(bits[k], k, of_a[i]);
+      offer(bits[k], i, of_b[k]);
     }
+  }
   std::vector<FeatureMatch> matches;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Best& best = of_a[i];
+    const Nearest& best = of_a[i];
     if (best.first > kMostDistance || best.first > kSecond * best.second) continue;
     if (of_b[best.index].index == i) matches.push_back({i, best.index});
   }

@@ -8,8 +8,13 @@
 namespace edvo {
 namespace {
 
-// The one, not the first nor the last, without which the least gap is left.
-void drop_one(std::vector<Place>& places, const Map& map) {
+constexpr std::size_t kProbeEvery = 3;  // keyframes
+constexpr int kRounds = 2;              // of comparing what is near after loops were closed
+constexpr double kVerified = 0.05;      // [m], [rad] by which a step may differ from its alignment
+constexpr double kGuessSigma = 0.5;     // [m], [rad] of a step that is not verified
+
+// Drops the one, not the first nor the last, without which the least gap is left; returns its id.
+std::int64_t drop_one(std::vector<Place>& places, const Map& map) {
   std::size_t best = 1;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i + 1 < places.size(); ++i) {
@@ -21,7 +26,14 @@ void drop_one(std::vector<Place>& places, const Map& map) {
     least = size;
     best = i;
   }
+  const std::int64_t id = places[best].id;
   places.erase(places.begin() + static_cast<std::ptrdiff_t>(best));
+  return id;
+}
+
+SearchOptions search_options(const Config& config, const SlamConfig& slam, int threads) {
+  return {
+      .tracking = config.tracking, .links = slam.links, .loops = slam.loops, .threads = threads};
 }
 
 }  // namespace
@@ -31,44 +43,97 @@ Slam::Slam(const DistortedCamera& camera, const Config& config, const SlamConfig
     : odometry_(camera, config, std::move(detector)),
       camera_(camera.pinhole),
       config_(config),
-      slam_(slam) {}
+      slam_(slam),
+      relocalizer_(camera_, search_options(config, slam, 1)) {}
 
 FrameResult Slam::process(const PreparedImage& image) {
   FrameResult result = odometry_.process(image);
+  if (result.status == FrameStatus::kLost) lost_since_keyframe_ = true;
   if (result.new_keyframe) add_place(result);
+  relocalizer_.look_for(image.frame, result, odometry_.map(), places_);
   return result;
 }
 
 void Slam::add_place(const FrameResult& result) {
-  if (result.keyframe != *result.new_keyframe)
+  const bool after_loss = std::exchange(lost_since_keyframe_, false);
+  if (result.keyframe != *result.new_keyframe) {
+    if (after_loss) after_loss_.push_back(steps_.size());
     steps_.push_back(
         {.from = result.keyframe, .to = *result.new_keyframe, .information = result.information});
+  }
   places_.push_back(make_place(*odometry_.newest_keyframe(), slam_.keep_colour));
+  relocalizer_.add(places_.back(), result.segment);
   if (places_.size() > static_cast<std::size_t>(config_.window.candidate_keyframes))
-    drop_one(places_, odometry_.map());
+    relocalizer_.drop(drop_one(places_, odometry_.map()));
 }
 
-// To join segments each of which may be short, all places are needed; to find drift in a single
-// one, fewer are.
-std::vector<Place> Slam::searched_places() const {
-  constexpr std::size_t kEvery = 3;
-  const std::vector<MapKeyframe>& keyframes = odometry_.map().keyframes();
+void Slam::measure_steps() {
+  const Map& map = odometry_.map();
+  for (OdometryStep& step : steps_)
+    step.from_pose_to = inverse(map[step.from].world_from_camera) * map[step.to].world_from_camera;
+}
+
+// The camera may have been moved to where things look similar: what cannot be verified tells
+// hardly anything.
+void Slam::doubt_steps_after_loss() {
+  const auto place = [this](KeyframeId id) {
+    return std::find_if(places_.begin(), places_.end(), [id](const auto& p) { return p.id == id; });
+  };
+  for (const std::size_t i : std::exchange(after_loss_, {})) {
+    OdometryStep& step = steps_[i];
+    const auto from = place(step.from), to = place(step.to);
+    if (from == places_.end() || to == places_.end()) continue;
+    const LinkReport report = verify_link(make_view(keyframe_of(*from), camera_, config_.tracking),
+                                          make_view(keyframe_of(*to), camera_, config_.tracking),
+                                          step.from_pose_to, config_.tracking, slam_.links);
+    const SE3 error = inverse(step.from_pose_to) * report.from_pose_to;
+    if (report.status != LinkStatus::kAccepted || error.translation.norm() > kVerified ||
+        rotation_angle(error) > kVerified)
+      step.information = Matrix6d::Identity() / (kGuessSigma * kGuessSigma);
+  }
+}
+
+// A single segment is probed at first: if its map tells all that is seen again, there is no drift
+// to find. Where loops were closed, keyframes that now are near each other are compared as well.
+void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
+  LinkSearch search(places_, camera_, search_options(config_, slam_, threads));
+  const auto is_new = [](const LinkReport& link) { return link.status == LinkStatus::kAccepted; };
+  const auto correct = [&] {
+    for (LinkReport& link : links_)
+      if (link.status == LinkStatus::kCycle || link.status == LinkStatus::kAlone)
+        link.status = LinkStatus::kAccepted;
+    join_segments(keyframes, links_);
+    close_loops(keyframes, steps_, links_);
+  };
   const bool single = std::all_of(keyframes.begin(), keyframes.end(), [&](const MapKeyframe& key) {
     return key.segment == keyframes.front().segment;
   });
-  if (!single) return places_;
-  std::vector<Place> fewer;
-  for (std::size_t i = 0; i < places_.size(); i += kEvery) fewer.push_back(places_[i]);
-  return fewer;
+  if (single) {
+    links_ = search.by_looks(keyframes, kProbeEvery, slam_.loops.probes);
+    if (std::none_of(links_.begin(), links_.end(), is_new)) return;
+  }
+  links_ = search.by_looks(keyframes, 1, slam_.loops.most_verified);
+  links_.insert(links_.end(), relocalizer_.links().begin(), relocalizer_.links().end());
+  correct();
+  for (int round = 0; round < kRounds && std::any_of(links_.begin(), links_.end(), is_new);
+       ++round) {
+    const std::vector<LinkReport> more =
+        search.by_pose(keyframes, links_, slam_.loops.most_verified);
+    links_.insert(links_.end(), more.begin(), more.end());
+    if (std::none_of(more.begin(), more.end(), is_new)) break;
+    correct();
+  }
 }
 
 void Slam::finish(int threads) {
   odometry_.settle();
+  measure_steps();
+  doubt_steps_after_loss();
   std::vector<MapKeyframe> keyframes = odometry_.map().keyframes();
-  links_ = find_links(searched_places(), keyframes, camera_, config_.tracking, slam_.links,
-                      slam_.loops, threads);
-  join_segments(keyframes, links_);
-  close_loops(keyframes, steps_, links_);
+  links_.clear();
+  if (!places_.empty()) search_places(keyframes, threads);
+  for (LinkReport& link : links_)
+    if (!link.information.isZero()) weaken_link(link);
   odometry_.correct(keyframes);
   odometry_.finish(threads);
 }

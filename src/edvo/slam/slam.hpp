@@ -6,6 +6,7 @@
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/slam/link_search.hpp"
 #include "edvo/slam/map_correction.hpp"
+#include "edvo/slam/relocalizer.hpp"
 
 #include <memory>
 #include <vector>
@@ -24,8 +25,10 @@ struct SlamConfig {
   return config.window.keyframes > 0;
 }
 
-// While images come it is the odometry. finish() looks for keyframes of the same place, in whatever
-// segment, verifies them, joins segments, closes loops, and has all keyframes refined together.
+// While images come it is the odometry, and frames of a segment that was begun after a loss are
+// looked for among the keyframes of the others (map_frame). finish() looks for keyframes of the
+// same place, in whatever segment, verifies them, joins segments, closes loops, and has all
+// keyframes refined together.
 class Slam {
  public:
   // As Odometry's, see there.
@@ -47,6 +50,10 @@ class Slam {
   [[nodiscard]] const Map& map() const { return odometry_.map(); }
   [[nodiscard]] KeyframePtr newest_keyframe() const { return odometry_.newest_keyframe(); }
 
+  // Where a segment's frame lies in the map, as found while images came: the odometry's own frame
+  // never jumps.
+  [[nodiscard]] MapFrame map_frame(int segment) const { return relocalizer_.frame_of(segment); }
+
   // What the last finish() found out about each candidate.
   [[nodiscard]] const std::vector<LinkReport>& links() const { return links_; }
 
@@ -59,7 +66,9 @@ class Slam {
 
  private:
   void add_place(const FrameResult& result);
-  [[nodiscard]] std::vector<Place> searched_places() const;
+  void measure_steps();
+  void doubt_steps_after_loss();
+  void search_places(std::vector<MapKeyframe>& keyframes, int threads);
 
   Odometry odometry_;
   Camera camera_;
@@ -68,6 +77,9 @@ class Slam {
   std::vector<Place> places_;  // by keyframe; of places where many were taken, fewer
   std::vector<OdometryStep> steps_;
   std::vector<LinkReport> links_;
+  Relocalizer relocalizer_;
+  bool lost_since_keyframe_ = false;
+  std::vector<std::size_t> after_loss_;  // of steps_, those with lost frames between
 };
 
 }  // namespace edvo

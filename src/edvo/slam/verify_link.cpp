@@ -10,7 +10,9 @@
 namespace edvo {
 namespace {
 
-constexpr int kFreeSpaceStep = 8;  // [px] between the pixels that are tested
+constexpr int kFreeSpaceStep = 8;     // [px] between the pixels that are tested
+constexpr double kLeastError = 0.01;  // [m], [rad] of a motion
+constexpr int kMostRadius = 6;        // [px]
 
 std::vector<SelectedPixel> selected_pixels(const Keyframe& keyframe, const Camera& camera) {
   std::vector<SelectedPixel> pixels;
@@ -50,20 +52,31 @@ bool align_both_ways(const KeyframeView& from, const KeyframeView& to, const SE3
   return true;
 }
 
-// Farthest inverse depth around a pixel, so that a jump is not taken for free space; NaN = none.
-float nearest_inverse_depth(const Depth& depth, int x, int y) {
-  float nearest = std::numeric_limits<float>::quiet_NaN();
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx) {
-      const float inverse_z = 1.F / depth(y + dy, x + dx);
-      if (!(nearest >= inverse_z) && inverse_z > 0) nearest = inverse_z;
-    }
-  return nearest;
+// Where a viewer may look through a surface by error alone: of its depth and of the motion.
+struct FreeSpaceTolerance {
+  double inverse_depth = 0;  // [1 / m]
+  double share = 0;          // of the inverse depth: scale errors of depth
+  double translation = 0;    // [m]
+  int radius = 1;            // [px] by which silhouettes may be off
+
+  [[nodiscard]] double at(double inverse_z) const {
+    return inverse_depth + inverse_z * (share + inverse_z * translation);
+  }
+};
+
+// Whether any depth around a pixel is at most as far as an inverse depth.
+bool is_any_as_near(const Depth& depth, int x, int y, int radius, double inverse_z) {
+  const int left = std::max(0, x - radius), right = std::min(depth.cols() - 1, x + radius);
+  const int top = std::max(0, y - radius), bottom = std::min(depth.rows() - 1, y + radius);
+  for (int v = top; v <= bottom; ++v)
+    for (int u = left; u <= right; ++u)
+      if (1 / static_cast<double>(depth(v, u)) >= inverse_z) return true;
+  return false;
 }
 
 // Share of one keyframe's surface that the other looks through.
 double seen_through(const Frame& surface, const Frame& viewer, const SE3& viewer_from_surface,
-                    double tolerance) {
+                    const FreeSpaceTolerance& tolerance) {
   const Camera& camera = viewer.levels.front().camera;
   int through = 0, same = 0;
   for (int y = kFreeSpaceStep / 2; y < surface.depth.rows(); y += kFreeSpaceStep)
@@ -77,15 +90,29 @@ double seen_through(const Frame& surface, const Frame& viewer, const SE3& viewer
       if (!(pixel.x() > 1 && pixel.y() > 1 && pixel.x() < camera.width - 2 &&
             pixel.y() < camera.height - 2))
         continue;
-      const float measured =
-          nearest_inverse_depth(viewer.depth, static_cast<int>(std::lround(pixel.x())),
-                                static_cast<int>(std::lround(pixel.y())));
-      if (std::isnan(measured)) continue;
-      const double error = 1 / p.z() - static_cast<double>(measured);
-      if (error > tolerance) ++through;
-      if (std::abs(error) <= tolerance) ++same;
+      const int u = static_cast<int>(std::lround(pixel.x()));
+      const int v = static_cast<int>(std::lround(pixel.y()));
+      const double measured = 1 / static_cast<double>(viewer.depth(v, u));
+      const double limit = tolerance.at(1 / p.z());
+      if (measured > 1 / p.z() + limit || !(measured > 0)) continue;  // hidden, or not measured
+      if (is_any_as_near(viewer.depth, u, v, tolerance.radius, 1 / p.z() - limit))
+        ++same;
+      else
+        ++through;
     }
   return same + through > 0 ? static_cast<double>(through) / (same + through) : 1.0;
+}
+
+// By as much as the two directions disagree, and never by less than kLeastError.
+FreeSpaceTolerance free_space_tolerance(const KeyframeView& view, const LinkReport& report,
+                                        const LinkOptions& options) {
+  const double translation = std::max(kLeastError, report.translation_difference);
+  const double rotation = std::max(kLeastError, report.rotation_difference);
+  const double pixels = view.frame.levels.front().camera.fx * rotation;
+  return {.inverse_depth = options.depth_tolerance,
+          .share = options.depth_share,
+          .translation = translation,
+          .radius = std::clamp(static_cast<int>(std::lround(pixels)), 1, kMostRadius)};
 }
 
 LinkStatus judge(const KeyframeView& from, const KeyframeView& to, const LinkOptions& options,
@@ -95,9 +122,10 @@ LinkStatus judge(const KeyframeView& from, const KeyframeView& to, const LinkOpt
     return LinkStatus::kDisagreement;
   if (report.overlap < options.min_overlap) return LinkStatus::kLittleOverlap;
   if (report.correlation < options.min_correlation) return LinkStatus::kLowCorrelation;
-  report.seen_through = std::max(
-      seen_through(to.frame, from.frame, report.from_pose_to, options.depth_tolerance),
-      seen_through(from.frame, to.frame, inverse(report.from_pose_to), options.depth_tolerance));
+  const FreeSpaceTolerance tolerance = free_space_tolerance(from, report, options);
+  report.seen_through =
+      std::max(seen_through(to.frame, from.frame, report.from_pose_to, tolerance),
+               seen_through(from.frame, to.frame, inverse(report.from_pose_to), tolerance));
   if (report.seen_through > options.max_seen_through) return LinkStatus::kSeenThrough;
   return LinkStatus::kAccepted;
 }
@@ -118,32 +146,36 @@ std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
   return motion.b_from_a;
 }
 
-KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
+KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame, const Camera& camera,
                        const AlignOptions& tracking) {
-  KeyframeView view{.keyframe = keyframe, .frame = {}, .reference = {}, .features = {}};
-  view.frame =
-      make_frame({.stamp = keyframe->stamp, .bgr = keyframe->bgr, .depth = keyframe->depth},
-                 make_undistortion({.pinhole = camera}), tracking.coarsest_level + 1);
+  KeyframeView view{.keyframe = keyframe, .frame = frame, .reference = {}};
   view.reference = make_reference(view.frame, selected_pixels(*keyframe, camera),
                                   {.gradient_weight_scale = tracking.gradient_weight_scale,
                                    .finest_level = tracking.finest_level,
                                    .coarsest_level = tracking.coarsest_level});
   if (tracking.depth_weight > 0)
     view.reference.surface =
-        make_surface(view.frame.depth, camera, tracking.surface_cell, tracking.depth_noise);
-  view.features = describe_corners(view.frame, kFeaturesPerKeyframe);
+        make_surface(keyframe->depth, camera, tracking.surface_cell, tracking.depth_noise);
   return view;
+}
+
+KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
+                       const AlignOptions& tracking) {
+  return make_view(
+      keyframe,
+      make_frame({.stamp = keyframe->stamp, .bgr = keyframe->bgr, .depth = keyframe->depth},
+                 make_undistortion({.pinhole = camera}), tracking.coarsest_level + 1),
+      camera, tracking);
 }
 
 LinkReport verify_link(const KeyframeView& from, const KeyframeView& to,
                        const std::optional<SE3>& guess, const AlignOptions& tracking,
                        const LinkOptions& options) {
   LinkReport report{.from = from.keyframe->id, .to = to.keyframe->id};
-  if (guess && align_both_ways(from, to, *guess, tracking, report)) {
-    report.status = judge(from, to, options, report);
-    if (report.status == LinkStatus::kAccepted) return report;
-  }
-  const std::optional<SE3> motion = motion_of_corners(from.features, to.features, options, report);
+  const std::optional<SE3> motion =
+      guess ? guess
+            : motion_of_corners(describe_corners(from.frame, kFeaturesPerKeyframe),
+                                describe_corners(to.frame, kFeaturesPerKeyframe), options, report);
   if (motion && align_both_ways(from, to, *motion, tracking, report))
     report.status = judge(from, to, options, report);
   return report;

@@ -49,13 +49,14 @@ struct EnumNames<LinkStatus> {
 
 struct LinkOptions {
   int min_matches = 15;
-  int min_inliers = 12;
-  double max_translation_difference = 0.02;  // [m]
-  double max_rotation_difference = 0.0175;   // [rad]
+  int min_inliers = 9;
+  double max_translation_difference = 0.06;  // [m]
+  double max_rotation_difference = 0.05;     // [rad]
   double min_overlap = 0.3;                  // [0..1]
   double min_correlation = 0.6;              // [-1..1]
   double depth_tolerance = 0.03;             // [1 / m]
-  double max_seen_through = 0.05;            // [0..1]
+  double depth_share = 0.03;                 // [1]
+  double max_seen_through = 0.1;             // [0..1]
 };
 
 template <typename Self, typename Visitor>
@@ -74,6 +75,7 @@ void visit_fields(Self& self, Visitor&& visit) {
         "of fitting points' intensities in both keyframes");
   visit("depth_tolerance", self.depth_tolerance, Range{1e-6, 10},
         "difference of inverse depths that counts as the same surface [1 / m]");
+  visit("depth_share", self.depth_share, Range{0, 1}, "added to it: share of the inverse depth");
   visit("max_seen_through", self.max_seen_through, Range{0, 1},
         "share of pixels at which one keyframe looks through what the other measured [0..1]");
 }
@@ -83,11 +85,14 @@ struct KeyframeView {
   KeyframePtr keyframe;
   Frame frame;
   Reference reference;
-  std::vector<PlaceFeature> features;
 };
 
 [[nodiscard]] KeyframeView make_view(const KeyframePtr& keyframe, const Camera& camera,
                                      const AlignOptions& tracking);
+
+// The same where the frame is there already.
+[[nodiscard]] KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame,
+                                     const Camera& camera, const AlignOptions& tracking);
 
 // What was found out about a candidate; fields of steps that were not reached stay at zero.
 struct LinkReport {
@@ -111,8 +116,8 @@ struct LinkReport {
                                                    const std::vector<PlaceFeature>& to,
                                                    const LinkOptions& options, LinkReport& report);
 
-// All steps but the cycle, which needs the pose graph. guess: from_pose_to as the map tells it; if
-// there is none, or it leads nowhere, the corners give one.
+// All steps but the cycle, which needs the pose graph. guess: from_pose_to, of which only the
+// alignment is verified; without one, the corners give it.
 [[nodiscard]] LinkReport verify_link(const KeyframeView& from, const KeyframeView& to,
                                      const std::optional<SE3>& guess, const AlignOptions& tracking,
                                      const LinkOptions& options);
