@@ -21,6 +21,7 @@ Matrix6d information() {
 LinkReport link_between(std::int64_t from, std::int64_t to, const SE3& from_pose_to) {
   LinkReport link{.from = from, .to = to, .status = LinkStatus::kAccepted};
   link.from_pose_to = from_pose_to;
+  link.correlation = 0.95;
   link.information = information();
   return link;
 }
@@ -76,6 +77,31 @@ TEST(CloseLoops, SwitchesAWrongLinkOffAndMovesNothing) {
   EXPECT_EQ(links[0].status, LinkStatus::kCycle);
   for (std::size_t i = 0; i < before.size(); ++i)
     EXPECT_THAT(world.map[i].world_from_camera, NearPose(before[i].world_from_camera, 1e-6));
+}
+
+TEST(JoinSegments, LeavesApartWhatHardlyCorrelates) {
+  World world = around(SE3{});
+  for (std::size_t i = 8; i < world.map.size(); ++i) world.map[i].segment = 1;
+  std::vector<LinkReport> links = {link_between(0, 8, between(world.truth, 0, 8)),
+                                   link_between(1, 9, between(world.truth, 1, 9))};
+  for (LinkReport& link : links) link.correlation = 0.75;
+  join_segments(world.map, links);
+  EXPECT_EQ(world.map.back().segment, 1);
+  EXPECT_EQ(links[0].status, LinkStatus::kAlone);
+}
+
+TEST(JoinSegments, LeavesApartWhatAsManyLinksContradict) {
+  World world = around(SE3{});
+  for (std::size_t i = 8; i < world.map.size(); ++i) world.map[i].segment = 1;
+  std::vector<LinkReport> links;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto id = static_cast<std::int64_t>(i);
+    links.push_back(link_between(id, id + 8, between(world.truth, i, i + 8)));
+  }
+  links[2].from_pose_to = links[2].from_pose_to * motion(0, 0, 1);
+  links[3].from_pose_to = links[3].from_pose_to * motion(0, 0, -1);
+  join_segments(world.map, links);
+  EXPECT_EQ(world.map.back().segment, 1);
 }
 
 TEST(CloseLoops, WithoutLinksNothingMoves) {

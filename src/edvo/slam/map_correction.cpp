@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace edvo {
@@ -23,10 +24,16 @@ const MapKeyframe& at(const std::vector<MapKeyframe>& keyframes, std::int64_t id
   return keyframes[static_cast<std::size_t>(id)];
 }
 
+// Rooms of the same shape with other pictures on the walls correlate by 0.7 to 0.86 and have at
+// most 17 corners in common; of true links nine in ten correlate by more than 0.82.
+constexpr double kSureCorrelation = 0.87, kFairCorrelation = 0.7;
+constexpr int kManyInliers = 24;
+
 struct Join {
   int into = 0, segment = 0;
   SE3 into_from_segment;  // world of the one from that of the other
-  int support = 0;        // links
+  int support = 0;        // links that agree
+  int against = 0;        // links between the same two that do not
 };
 
 // Between the worlds of two segments, the lower id first.
@@ -43,9 +50,15 @@ Join join_by(const std::vector<MapKeyframe>& keyframes, const LinkReport& link) 
   return join;
 }
 
-bool agree(const Join& join, const std::vector<MapKeyframe>& keyframes, const LinkReport& link) {
+bool joins_the_same(const Join& join, const std::vector<MapKeyframe>& keyframes,
+                    const LinkReport& link) {
   const Join other = join_by(keyframes, link);
-  if (other.into != join.into || other.segment != join.segment) return false;
+  return other.into == join.into && other.segment == join.segment;
+}
+
+bool agree(const Join& join, const std::vector<MapKeyframe>& keyframes, const LinkReport& link) {
+  if (!joins_the_same(join, keyframes, link)) return false;
+  const Join other = join_by(keyframes, link);
   const MapKeyframe &from = at(keyframes, link.from), &to = at(keyframes, link.to);
   const SE3& pose = (from.segment == join.segment ? from : to).world_from_camera;
   const SE3 error = inverse(join.into_from_segment * pose) * (other.into_from_segment * pose);
@@ -55,16 +68,22 @@ bool agree(const Join& join, const std::vector<MapKeyframe>& keyframes, const Li
 // The join on which most links agree.
 Join best_join(const std::vector<MapKeyframe>& keyframes, const std::vector<LinkReport>& links) {
   std::vector<const LinkReport*> between;
+  std::set<std::pair<std::int64_t, std::int64_t>> pairs;
   for (const LinkReport& link : links)
-    if (link.status == LinkStatus::kAccepted &&
-        at(keyframes, link.from).segment != at(keyframes, link.to).segment)
+    if (link.status == LinkStatus::kAccepted && is_sure(link) &&
+        at(keyframes, link.from).segment != at(keyframes, link.to).segment &&
+        pairs.emplace(link.from, link.to).second)
       between.push_back(&link);
   Join best;
   for (const LinkReport* const link : between) {
     Join join = join_by(keyframes, *link);
-    for (const LinkReport* const other : between)
-      if (agree(join, keyframes, *other)) ++join.support;
-    if (join.support > best.support) best = join;
+    for (const LinkReport* const other : between) {
+      if (agree(join, keyframes, *other))
+        ++join.support;
+      else if (joins_the_same(join, keyframes, *other))
+        ++join.against;
+    }
+    if (join.support > join.against && join.support > best.support) best = join;
   }
   return best;
 }
@@ -79,6 +98,11 @@ Matrix6d weaken(const Matrix6d& information, double translation_sigma, double ro
 }
 
 }  // namespace
+
+bool is_sure(const LinkReport& link) {
+  return link.correlation > kSureCorrelation ||
+         (link.correlation > kFairCorrelation && link.inliers >= kManyInliers);
+}
 
 void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>& links) {
   for (Join join = best_join(keyframes, links); join.support >= kSupport;

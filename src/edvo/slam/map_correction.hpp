@@ -10,8 +10,13 @@
 
 namespace edvo {
 
-// Moves segments into the frame of an older one where two links or more agree on the motion between
-// them. Accepted links between segments that stay apart become kAlone. keyframes: by id.
+// Whether a link may join segments, where no odometry can contradict it: it correlates well, or
+// fairly with many corners.
+[[nodiscard]] bool is_sure(const LinkReport& link);
+
+// Moves segments into the frame of an older one where two sure links or more agree on the motion
+// between them, and more than disagree. Accepted links between segments that stay
+// apart become kAlone. keyframes: by id.
 void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>& links);
 
 // From a keyframe to the next one of its segment, as tracked and refined.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/slam/relocalizer.hpp"
 
+#include "edvo/slam/map_correction.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -126,11 +128,10 @@ std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t k
     LinkReport report = verify_link(
         make_view(edvo::keyframe_of(place_of(candidate.from)), camera_, options_.tracking), *to,
         candidate.from_pose_to, options_.tracking, options_.links);
-    if (report.status != LinkStatus::kAccepted) continue;
     report.similarity = candidate.similarity;
     report.matches = candidate.matches;
     report.inliers = candidate.inliers;
-    return report;
+    if (report.status == LinkStatus::kAccepted && is_sure(report)) return report;
   }
   return std::nullopt;
 }
