@@ -21,7 +21,7 @@ Matrix6d information() {
 LinkReport link_between(std::int64_t from, std::int64_t to, const SE3& from_pose_to) {
   LinkReport link{.from = from, .to = to, .status = LinkStatus::kAccepted};
   link.from_pose_to = from_pose_to;
-  link.correlation = 0.95;
+  link.alike = 0.9;
   link.information = information();
   return link;
 }
@@ -79,12 +79,12 @@ TEST(CloseLoops, SwitchesAWrongLinkOffAndMovesNothing) {
     EXPECT_THAT(world.map[i].world_from_camera, NearPose(before[i].world_from_camera, 1e-6));
 }
 
-TEST(JoinSegments, LeavesApartWhatHardlyCorrelates) {
+TEST(JoinSegments, LeavesApartWhatHardlyLooksAlike) {
   World world = around(SE3{});
   for (std::size_t i = 8; i < world.map.size(); ++i) world.map[i].segment = 1;
   std::vector<LinkReport> links = {link_between(0, 8, between(world.truth, 0, 8)),
                                    link_between(1, 9, between(world.truth, 1, 9))};
-  for (LinkReport& link : links) link.correlation = 0.75;
+  for (LinkReport& link : links) link.alike = 0.3;
   join_segments(world.map, links);
   EXPECT_EQ(world.map.back().segment, 1);
   EXPECT_EQ(links[0].status, LinkStatus::kAlone);

@@ -283,6 +283,7 @@ std::string to_json_line(const LinkReport& link) {
                {"overlap", number(link.overlap, kRatioDecimals)},
                {"correlation", number(link.correlation, kRatioDecimals)},
                {"seen_through", number(link.seen_through, kRatioDecimals)},
+               {"alike", number(link.alike, kRatioDecimals)},
                {"cycle_chi_square", link.cycle_chi_square},
                {"from_pose_to", pose_array(link.from_pose_to)}},
               -1);

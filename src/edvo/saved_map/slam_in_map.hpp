@@ -37,6 +37,7 @@ class SlamInMap {
   [[nodiscard]] Trajectory keyframe_trajectory() const { return slam_.keyframe_trajectory(); }
   [[nodiscard]] const Map& map() const { return slam_.map(); }
   [[nodiscard]] KeyframePtr newest_keyframe() const { return slam_.newest_keyframe(); }
+  [[nodiscard]] MapFrame map_frame(int segment) const { return slam_.map_frame(segment); }
   [[nodiscard]] const std::vector<LinkReport>& links() const { return slam_.links(); }
 
   // After finish(); none if there is no earlier map.

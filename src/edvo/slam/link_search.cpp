@@ -197,11 +197,21 @@ void LinkSearch::verify(KeyframeMap map, std::vector<LinkReport>& reports) const
     if (report.status != LinkStatus::kAccepted) continue;
     if (!to) to = make_view(keyframe_of(place_of(report.to)), camera_, options_.tracking);
     const LinkReport before = report;
-    report = verify_link(make_view(keyframe_of(place_of(report.from)), camera_, options_.tracking),
-                         *to, report.from_pose_to, options_.tracking, options_.links);
+    const KeyframeView from =
+        make_view(keyframe_of(place_of(report.from)), camera_, options_.tracking);
+    report = verify_link(from, *to, report.from_pose_to, options_.tracking, options_.links);
     report.similarity = before.similarity;
     report.matches = std::max(report.matches, before.matches);
     report.inliers = std::max(report.inliers, before.inliers);
+    if (report.status == LinkStatus::kAccepted &&
+        key(map, report.from).segment != key(map, report.to).segment) {
+      const auto features_of = [this](const Place& place) -> const std::vector<PlaceFeature>& {
+        return signatures_[static_cast<std::size_t>(&place - places_.data())].features;
+      };
+      report.alike = std::min(
+          alike_share(features_of(place_of(report.from)), to->frame, inverse(report.from_pose_to)),
+          alike_share(features_of(place_of(report.to)), from.frame, report.from_pose_to));
+    }
     if (report.status == LinkStatus::kAccepted && tells_nothing_new(map, report))
       report.status = LinkStatus::kKnown;
   }

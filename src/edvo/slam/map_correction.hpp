@@ -10,8 +10,7 @@
 
 namespace edvo {
 
-// Whether a link may join segments, where no odometry can contradict it: it correlates well, or
-// fairly with many corners.
+// Whether a link may join segments, where no odometry can contradict it: most corners look alike.
 [[nodiscard]] bool is_sure(const LinkReport& link);
 
 // Moves segments into the frame of an older one where two sure links or more agree on the motion

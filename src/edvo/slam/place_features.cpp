@@ -24,6 +24,8 @@ constexpr double kSmoothing = 1.5;    // [px] of each level
 constexpr float kSpread = 0.45F;      // sigma of the pattern, in radii
 constexpr float kJump = 0.04F;        // share of depth: foreground and background
 constexpr int kMostDistance = 70;     // bits of a match
+constexpr int kAlikeDistance = 45;    // bits; patches that have nothing in common differ by 128
+constexpr int kLeastCorners = 20;     // of which a share is told
 constexpr double kSecond = 0.85;      // a match is nearer than this times the second
 
 struct PatternPair {
@@ -170,6 +172,11 @@ Descriptor describe(const std::vector<SmoothLevel>& levels, const Candidate& cor
   return descriptor;
 }
 
+float patch_radius(const Camera& camera, float z) {
+  return std::clamp(std::abs(static_cast<float>(camera.fx)) * kPatchRadius / z, kLeastRadius,
+                    kMostRadius);
+}
+
 }  // namespace
 
 std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count) {
@@ -180,14 +187,37 @@ std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count
   for (const Candidate& corner : spread_corners(frame.levels.front().gray, 2 * count)) {
     const float z = corner_depth(frame.depth, corner.x, corner.y);
     if (!std::isfinite(z)) continue;
-    const float radius = std::clamp(std::abs(static_cast<float>(camera.fx)) * kPatchRadius / z,
-                                    kLeastRadius, kMostRadius);
     features.push_back(
         {.point = back_project(camera, corner.x, corner.y, static_cast<double>(z)).cast<float>(),
-         .descriptor = describe(levels, corner, radius)});
+         .descriptor = describe(levels, corner, patch_radius(camera, z))});
     if (features.size() == count) break;
   }
   return features;
+}
+
+double alike_share(const std::vector<PlaceFeature>& features, const Frame& frame,
+                   const SE3& frame_from_features) {
+  constexpr double kSurface = 0.06;  // [1 / m]
+  const Camera& camera = frame.levels.front().camera;
+  const std::vector<SmoothLevel> levels = smooth_levels(frame);
+  const double border = static_cast<double>(kLeastRadius) + 1;
+  int alike = 0, all = 0;
+  for (const PlaceFeature& feature : features) {
+    const Eigen::Vector3d p = frame_from_features * feature.point.cast<double>();
+    if (p.z() <= 0) continue;
+    const Eigen::Vector2d pixel = project(camera, p);
+    if (!(pixel.x() >= border && pixel.y() >= border && pixel.x() < camera.width - border &&
+          pixel.y() < camera.height - border))
+      continue;
+    const Candidate at{.x = static_cast<int>(std::lround(pixel.x())),
+                       .y = static_cast<int>(std::lround(pixel.y()))};
+    const float z = corner_depth(frame.depth, at.x, at.y);
+    if (!std::isfinite(z) || std::abs(1 / static_cast<double>(z) - 1 / p.z()) > kSurface) continue;
+    const Descriptor seen = describe(levels, at, patch_radius(camera, static_cast<float>(p.z())));
+    ++all;
+    alike += distance(seen, feature.descriptor) < kAlikeDistance ? 1 : 0;
+  }
+  return all < kLeastCorners ? 0.0 : static_cast<double>(alike) / all;
 }
 
 int distance(const Descriptor& a, const Descriptor& b) {

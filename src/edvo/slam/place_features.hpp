@@ -31,6 +31,11 @@ constexpr std::size_t kFeaturesPerKeyframe = 400;
 // Number of bits that differ.
 [[nodiscard]] int distance(const Descriptor& a, const Descriptor& b);
 
+// Share of a keyframe's corners that look alike where a motion brings them in another frame [0..1]:
+// of those that lie on the surface seen there; 0 if these are few.
+[[nodiscard]] double alike_share(const std::vector<PlaceFeature>& features, const Frame& frame,
+                                 const SE3& frame_from_features);
+
 struct FeatureMatch {
   std::size_t a = 0, b = 0;  // indices
 };

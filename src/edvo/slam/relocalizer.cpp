@@ -125,13 +125,18 @@ std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t k
   std::optional<KeyframeView> to;
   for (const LinkReport& candidate : candidates) {
     if (!to) to = make_view(query, frame, camera_, options_.tracking);
-    LinkReport report = verify_link(
-        make_view(edvo::keyframe_of(place_of(candidate.from)), camera_, options_.tracking), *to,
-        candidate.from_pose_to, options_.tracking, options_.links);
+    const KeyframeView from =
+        make_view(edvo::keyframe_of(place_of(candidate.from)), camera_, options_.tracking);
+    LinkReport report =
+        verify_link(from, *to, candidate.from_pose_to, options_.tracking, options_.links);
+    if (report.status != LinkStatus::kAccepted) continue;
+    report.alike = std::min(
+        alike_share(kept_[candidate.from].features, to->frame, inverse(report.from_pose_to)),
+        alike_share(features, from.frame, report.from_pose_to));
     report.similarity = candidate.similarity;
     report.matches = candidate.matches;
     report.inliers = candidate.inliers;
-    if (report.status == LinkStatus::kAccepted && is_sure(report)) return report;
+    if (is_sure(report)) return report;
   }
   return std::nullopt;
 }

@@ -105,6 +105,7 @@ struct LinkReport {
   double overlap = 0;                 // the smaller of both directions [0..1]
   double correlation = 0;             // the smaller of both directions
   double seen_through = 0;            // the larger of both directions [0..1]
+  double alike = 0;                   // share of corners, the smaller; between segments [0..1]
   double cycle_chi_square = 0;
   SE3 from_pose_to;
   Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi)
