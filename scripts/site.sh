@@ -14,6 +14,6 @@ export PIP_DISABLE_PIP_VERSION_CHECK=1
 pages=build/site-pages
 rm -rf "$pages"
 mkdir -p "$pages"
-cp -r docs examples configs models workflow training scripts *.md LICENSE CITATION.cff "$pages"
+cp -r docs examples configs models workflow ros2 training scripts *.md LICENSE CITATION.cff "$pages"
 export NO_MKDOCS_2_WARNING=1
 exec "$python" -m mkdocs build --quiet --strict
