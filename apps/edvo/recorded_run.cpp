@@ -102,7 +102,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
                    {.loops = {}, .links = {}, .keep_colour = maps.writes()}, std::move(detector),
                    maps.origin(), maps.take_earlier(), flags.update_map);
     RunOutcome outcome = run_with(slam);
-    result.failure = maps.finish(slam, recorder.folder());
+    result.failure = maps.finish(slam, outcome.trajectory, recorder.folder());
     if (slam.localization())
       result.localized = localized_frames(*slam.localization(), outcome.trajectory);
     return outcome;

@@ -57,6 +57,23 @@ SavedMap load_fitting(const std::string& path, const RunDescription& run, bool e
   return map;
 }
 
+bool is_localized(const Localization& localization, const StampedPose& pose) {
+  return std::binary_search(localization.segments.begin(), localization.segments.end(),
+                            pose.segment);
+}
+
+// What was found, frame by frame and candidate by candidate.
+void write_localization(const Localization& localization, const Trajectory& trajectory,
+                        const std::filesystem::path& folder) {
+  std::string frames, links;
+  for (const StampedPose& pose : trajectory)
+    frames += fmt::format("{{\"stamp\": \"{}\", \"segment\": {}, \"localized\": {}}}\n",
+                          to_string(pose.stamp), pose.segment, is_localized(localization, pose));
+  for (const LinkReport& link : localization.links) links += to_json_line(link) + '\n';
+  write_whole(folder / "localization.jsonl", frames);
+  write_whole(folder / "map_links.jsonl", links);
+}
+
 }  // namespace
 
 RunMaps::RunMaps(const RunFlags& flags, const Config& config, const RunDescription& run,
@@ -74,14 +91,10 @@ RunMaps::RunMaps(const RunFlags& flags, const Config& config, const RunDescripti
   if (!map_.empty()) earlier_ = load_fitting(map_, run, extends_, warn);
 }
 
-std::optional<Error> RunMaps::finish(const SlamInMap& slam,
+std::optional<Error> RunMaps::finish(const SlamInMap& slam, const Trajectory& trajectory,
                                      const std::filesystem::path& folder) const {
   const std::optional<Localization>& localization = slam.localization();
-  if (localization) {
-    std::string lines;
-    for (const LinkReport& link : localization->links) lines += to_json_line(link) + '\n';
-    write_whole(folder / "map_links.jsonl", lines);
-  }
+  if (localization) write_localization(*localization, trajectory, folder);
   const bool is_found = !localization || !localization->segments.empty();
   // A run that tracked nothing replaces no map.
   if (writes() && (is_found || !extends_) && !slam.map().keyframes().empty())
@@ -94,10 +107,8 @@ std::optional<Error> RunMaps::finish(const SlamInMap& slam,
 }
 
 std::int64_t localized_frames(const Localization& localization, const Trajectory& trajectory) {
-  return std::count_if(trajectory.begin(), trajectory.end(), [&](const StampedPose& pose) {
-    return std::binary_search(localization.segments.begin(), localization.segments.end(),
-                              pose.segment);
-  });
+  return std::count_if(trajectory.begin(), trajectory.end(),
+                       [&](const StampedPose& pose) { return is_localized(localization, pose); });
 }
 
 }  // namespace edvo::app

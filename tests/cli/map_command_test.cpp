@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace edvo {
 namespace {
@@ -78,6 +79,11 @@ TEST_F(MapCommand, TheSecondHalfIsFoundInTheMapOfTheFirst) {
   ASSERT_EQ(result.status, 0) << result.output;
   EXPECT_EQ(json::parse(result.output)["map"]["localized_frames"], 20);
   EXPECT_TRUE(fs::exists(place("out") + "/map_links.jsonl"));
+  std::istringstream frames(read_file(place("out") + "/localization.jsonl"));
+  std::string line;
+  int localized = 0;
+  while (std::getline(frames, line)) localized += json::parse(line)["localized"] == true ? 1 : 0;
+  EXPECT_EQ(localized, 20);
   // In the map's frame, which is that of the sequence's first camera.
   const Trajectory truth = read_trajectory(place("room") + "/groundtruth.txt").trajectory;
   const SE3 map_from_world = inverse(truth.front().world_from_camera);

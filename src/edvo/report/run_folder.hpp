@@ -9,8 +9,9 @@ namespace edvo {
 
 // The files of a run; replacing a run with `force` removes these and nothing else.
 inline constexpr const char* kRunFiles[] = {
-    "frames.jsonl",    "trajectory.tum", "trajectory_online.tum", "keyframes.tum", "links.jsonl",
-    "map_links.jsonl", "summary.json",   "config.toml",           "report.html",
+    "frames.jsonl", "trajectory.tum",     "trajectory_online.tum", "keyframes.tum",
+    "links.jsonl",  "localization.jsonl", "map_links.jsonl",       "summary.json",
+    "config.toml",  "report.html",
 };
 
 // The name as that of a folder: letters, digits and . _ - + stay, everything else becomes '_'.
