@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace edvo {
 namespace {
@@ -70,8 +71,8 @@ TEST(Surface, MeshOfARenderedRoomIsWithinFiveMillimetresOfIt) {
       distances.push_back(
           std::abs(synth::clearance(room.sequence.scene, vertex.position.cast<double>())));
     const double median = quantile(distances, 0.5), most = quantile(distances, 0.95);
-    RecordProperty("median_mm", std::to_string(1000 * median));
-    RecordProperty("most_mm", std::to_string(1000 * most));
+    RecordProperty(std::string(name_of(scene)) + "_median_mm", std::to_string(1000 * median));
+    RecordProperty(std::string(name_of(scene)) + "_95_percent_mm", std::to_string(1000 * most));
     EXPECT_LT(median, 0.005);
     EXPECT_LT(most, 0.020);
   }
