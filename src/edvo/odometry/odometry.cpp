@@ -124,7 +124,11 @@ const Map& Odometry::map() const {
 }
 
 KeyframePtr Odometry::newest_keyframe() const {
-  return state_->newest_keyframe();
+  return state_->newest_keyframe(true);
+}
+
+KeyframePtr Odometry::newest_keyframe_in_gray() const {
+  return state_->newest_keyframe(false);
 }
 
 Odometry::Odometry(const DistortedCamera& camera, const Config& config,

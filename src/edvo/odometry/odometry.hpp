@@ -71,6 +71,9 @@ class Odometry {
   // Its pose is the present one of the map.
   [[nodiscard]] KeyframePtr newest_keyframe() const;
 
+  // The same with no colour image and black points: colour need not be undistorted.
+  [[nodiscard]] KeyframePtr newest_keyframe_in_gray() const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

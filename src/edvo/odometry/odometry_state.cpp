@@ -201,7 +201,7 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
   return true;
 }
 
-KeyframePtr Odometry::State::newest_keyframe() const {
+KeyframePtr Odometry::State::newest_keyframe(bool with_colour) const {
   if (map.keyframes().empty()) return nullptr;
   const MapKeyframe& key = map.keyframes().back();
   auto keyframe = std::make_shared<Keyframe>();
@@ -210,11 +210,11 @@ KeyframePtr Odometry::State::newest_keyframe() const {
   keyframe->segment = key.segment;
   keyframe->world_from_camera = key.world_from_camera;
   keyframe->gray = keyframe_frame.levels.front().gray;
-  keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
+  if (with_colour) keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
   keyframe->depth = keyframe_frame.depth.undistorted();
   keyframe->points.reserve(keyframe_pixels.size());
   for (const SelectedPixel& p : keyframe_pixels) {
-    const cv::Vec3b& bgr = keyframe->bgr(p.pixel);
+    const cv::Vec3b bgr = with_colour ? keyframe->bgr(p.pixel) : cv::Vec3b::all(0);
     keyframe->points.push_back({.position = back_project(undistortion.camera, p.pixel.x, p.pixel.y,
                                                          static_cast<double>(p.depth))
                                                 .cast<float>(),

@@ -68,7 +68,7 @@ struct Odometry::State {
 
   void require_newer(const Stamp& stamp);
   [[nodiscard]] bool has_tracked(int segment_id) const;
-  [[nodiscard]] KeyframePtr newest_keyframe() const;
+  [[nodiscard]] KeyframePtr newest_keyframe(bool with_colour) const;
 
   // Refines the present segment's window by a few steps and writes its keyframes' poses to the map;
   // false if nothing is left to do.

@@ -63,6 +63,10 @@ KeyframePtr keyframe_of(const Place& place) {
   return keyframe;
 }
 
+FernCode make_fern_code(const Place& place) {
+  return make_fern_code(place.gray, full_depth(place));
+}
+
 PlaceSignature make_signature(const Place& place, const Camera& camera) {
   const KeyframePtr keyframe = keyframe_of(place);
   const Frame frame =

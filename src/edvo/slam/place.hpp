@@ -26,6 +26,8 @@ constexpr float kDepthStep = 0.25e-3F;  // [m]
 // The keyframe again, without colour.
 [[nodiscard]] KeyframePtr keyframe_of(const Place& place);
 
+[[nodiscard]] FernCode make_fern_code(const Place& place);
+
 // What tells places apart.
 struct PlaceSignature {
   FernCode code{};

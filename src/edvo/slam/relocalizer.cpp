@@ -49,9 +49,7 @@ KeyframePtr keyframe_of(const Frame& frame, std::int64_t id) {
 }  // namespace
 
 void Relocalizer::add(const Place& place, int segment) {
-  kept_[place.id] = {.segment = segment,
-                     .code = make_fern_code(place.gray, edvo::keyframe_of(place)->depth),
-                     .features = {}};
+  kept_[place.id] = {.segment = segment, .code = make_fern_code(place), .features = {}};
 }
 
 void Relocalizer::drop(std::int64_t id) {

@@ -61,7 +61,9 @@ void Slam::add_place(const FrameResult& result) {
     steps_.push_back(
         {.from = result.keyframe, .to = *result.new_keyframe, .information = result.information});
   }
-  places_.push_back(make_place(*odometry_.newest_keyframe(), slam_.keep_colour));
+  const KeyframePtr keyframe =
+      slam_.keep_colour ? odometry_.newest_keyframe() : odometry_.newest_keyframe_in_gray();
+  places_.push_back(make_place(*keyframe, slam_.keep_colour));
   relocalizer_.add(places_.back(), result.segment);
   if (places_.size() > static_cast<std::size_t>(config_.window.candidate_keyframes))
     relocalizer_.drop(drop_one(places_, odometry_.map()));
