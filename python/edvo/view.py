@@ -7,6 +7,7 @@ import atexit
 import json
 import os
 import queue
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,9 +28,9 @@ from edvo.trajectory import Trajectory
 
 WAITING = 8  # frames that the viewer may be behind; further ones are not shown
 GRPC_PORT, WEB_PORT = 9876, 9090
-IMAGE_PERIOD = 0.15  # [s], between the images that a live viewer gets: encoding them costs time
+IMAGE_PERIOD = 0.3  # [s], between the images that a live viewer gets: encoding them costs time
 PATH_PERIOD = 10  # frames between two drawings of the path in a recording
-SWITCH_SECONDS = 5e-4  # after which a thread of Python lets another one run; Python's own is 5e-3
+SWITCH_SECONDS = 5e-5  # [s] after which a thread of Python lets another run; Python's own is 5e-3
 FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
 MOVED = 1e-4  # [m, rad] of a keyframe that is shown anew
 PATH, TRUTH, LOST, FINAL = [255, 160, 60], [150, 150, 150], [220, 50, 50], [90, 170, 255]
@@ -97,7 +98,7 @@ SERVER: list[subprocess.Popen[bytes]] = []
 def serve_pages() -> None:
     """Rerun's server and page, in a process of their own that ends with this one."""
     command = [
-        *rerun_program(), "--serve-web", "--bind", "127.0.0.1", "--port", str(GRPC_PORT),
+        *politely(), *rerun_program(), "--serve-web", "--bind", "127.0.0.1", "--port", str(GRPC_PORT),
         "--web-viewer-port", str(WEB_PORT),
     ]  # fmt: skip
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -110,6 +111,11 @@ def serve_pages() -> None:
         file=sys.stderr,
         flush=True,
     )
+
+
+def politely() -> list[str]:
+    """Tracking goes first where cores are few; `nice` becomes the program that it starts."""
+    return ["nice", "-n", "10"] if shutil.which("nice") else []
 
 
 def rerun_program() -> list[str]:
