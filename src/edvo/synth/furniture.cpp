@@ -147,10 +147,13 @@ void add_book_row(Builder& builder, const Place& place, double width) {
   Random& random = builder.random;
   for (double x = -width / 2; x < width / 2 - 0.06;) {
     const double thickness = random.uniform(0.02, 0.055);
-    if (random.uniform() < 0.85)
-      add_box(builder, beside(place, {x + thickness / 2, random.uniform(-0.03, 0.01), 0}),
-              {thickness - 0.002, 0.18, random.uniform(0.18, 0.27)},
-              random_cover(builder, Pattern::kBook));
+    if (random.uniform() < 0.85) {  // one draw in a statement: compilers differ in their order
+      const int cover = random_cover(builder, Pattern::kBook);
+      const double height = random.uniform(0.18, 0.27);
+      const double out = random.uniform(-0.03, 0.01);
+      add_box(builder, beside(place, {x + thickness / 2, out, 0}),
+              {thickness - 0.002, 0.18, height}, cover);
+    }
     x += thickness;
   }
 }
@@ -174,8 +177,9 @@ void add_shelf(Builder& builder, const Place& place, double width, double height
 }
 
 void add_chair(Builder& builder, const Place& place) {
-  const int cloth = add_material(builder, Pattern::kFabric, random_colour(builder.random) * 0.3F,
-                                 random_colour(builder.random), 0.3);
+  const Colour bright = random_colour(builder.random);
+  const Colour dark = random_colour(builder.random) * 0.3F;
+  const int cloth = add_material(builder, Pattern::kFabric, dark, bright, 0.3);
   const int metal = plain(builder, {90, 90, 95});
   add_box(builder, beside(place, {0, 0, 0.42}), {0.44, 0.44, 0.07}, cloth);
   add_box(builder, beside(place, {0, 0.21, 0.55}), {0.42, 0.05, 0.42}, cloth);

@@ -22,8 +22,9 @@ Eigen::Vector3d wander(double seconds, double period, Random& random) {
   Eigen::Vector3d value;
   for (int axis = 0; axis < 3; ++axis) {
     const double slow = period * random.uniform(0.85, 1.2);
-    value[axis] = kSlow * wave(seconds, slow, random.uniform(0, kTurn)) +
-                  kFast * wave(seconds, 0.37 * slow, random.uniform(0, kTurn));
+    const double slow_wave = wave(seconds, slow, random.uniform(0, kTurn));
+    const double fast_wave = wave(seconds, 0.37 * slow, random.uniform(0, kTurn));
+    value[axis] = kSlow * slow_wave + kFast * fast_wave;
   }
   return value;
 }
@@ -32,9 +33,11 @@ Eigen::Vector3d wander(double seconds, double period, Random& random) {
 SE3 tremor(double seconds, Random& random) {
   constexpr double kShift = 0.001, kAngle = 0.0015;  // [m], [rad]
   Vector6d xi;
-  for (int i = 0; i < 6; ++i)
-    xi[i] = (i < 3 ? kShift : kAngle) *
-            wave(seconds, 1 / random.uniform(3.0, 8.0), random.uniform(0, kTurn));
+  for (int i = 0; i < 6; ++i) {  // one draw in a statement: compilers differ in their order
+    const double phase = random.uniform(0, kTurn);
+    const double rate = random.uniform(3.0, 8.0);
+    xi[i] = (i < 3 ? kShift : kAngle) * wave(seconds, 1 / rate, phase);
+  }
   return exp(xi);
 }
 
