@@ -88,12 +88,11 @@ TEST_F(MapCommand, TheSecondHalfIsFoundInTheMapOfTheFirst) {
   const Trajectory truth = read_trajectory(place("room") + "/groundtruth.txt").trajectory;
   const SE3 map_from_world = inverse(truth.front().world_from_camera);
   for (const StampedPose& pose : read_trajectory(place("out") + "/trajectory.tum").trajectory)
-    for (const StampedPose& real : truth)
-      if (real.stamp == pose.stamp)
-        EXPECT_LT(((map_from_world * real.world_from_camera).translation -
-                   pose.world_from_camera.translation)
-                      .norm(),
-                  0.03);
+    for (const StampedPose& real : truth) {
+      if (real.stamp != pose.stamp) continue;
+      const SE3 expected = map_from_world * real.world_from_camera;
+      EXPECT_LT((expected.translation - pose.world_from_camera.translation).norm(), 0.03);
+    }
 }
 
 TEST_F(MapCommand, UpdatingAddsTheRunsKeyframes) {

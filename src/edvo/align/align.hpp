@@ -18,8 +18,8 @@ namespace edvo {
 struct AlignOptions {
   int finest_level = 0;
   int coarsest_level = 3;
-  Loss loss = Loss::kHuber;
-  double loss_parameter = 1.345;
+  Loss loss = Loss::kStudent;
+  double loss_parameter = 2;
   double min_sigma = 2.0;                                                   // [grey levels]
   double gradient_weight_scale = ReferenceOptions{}.gradient_weight_scale;  // [grey levels / px]
   int max_iterations = 30;
@@ -40,7 +40,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "last pyramid level used, 0 = full image");
   visit("coarsest_level", self.coarsest_level, Range{0, kMostLevels - 1},
         "first pyramid level used");
-  visit("loss", self.loss, Range{}, "robust loss of the residuals (Eq. 6: huber)");
+  visit("loss", self.loss, Range{},
+        "robust loss of the residuals; the paper has huber, 1.345 (Eq. 6)");
   visit("loss_parameter", self.loss_parameter, Range{0.1, 100},
         "theta_H of Eq. 6, Tukey's cut-off or Student's degrees of freedom [sigmas]");
   visit("min_sigma", self.min_sigma, Range{0.01, 255},

@@ -104,12 +104,10 @@ EDVO_CLONES float weigh_block(const float* residuals, const float* point_weights
       const Float8 inlier = left > 0.F ? left : zero;
       loss = square / 6.F * (1.F - inlier * inlier * inlier);
       weight = inlier * inlier;
-    } else {
-      for (std::size_t k = 0; k < simd::kWidth; ++k) {
-        const RobustValue value = robust(c.loss, c.parameter, s[k]);
-        loss[k] = value.cost;
-        weight[k] = value.weight;
-      }
+    } else {  // Student
+      const Float8 spread = 1.F + s * s / c.parameter;
+      loss = 0.5F * (c.parameter + 1.F) * simd::Log(spread).value;
+      weight = (c.parameter + 1.F) / (c.parameter * spread);
     }
     cost += (seen ? loss : zero + c.outside) * point_weight;
     const Float8 w = seen ? weight * point_weight * (c.inverse_sigma * c.inverse_sigma) : zero;

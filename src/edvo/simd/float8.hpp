@@ -115,6 +115,24 @@ struct SquareRoot {
   }
 };
 
+// Natural logarithm of positive finite numbers, to 2 parts in 10^7 of it, or of 1 where it is less.
+struct Log {
+  Float8 value;
+
+  [[gnu::always_inline]] explicit Log(const Float8& v) {
+    // v = m 2^e with m between sqrt(1/2) and sqrt(2); log m = 2 artanh((m - 1) / (m + 1)).
+    constexpr std::int32_t kExponent = 0x00800000, kRootOfHalf = 0x3f3504f3;
+    const Int8 bits = reinterpret_cast<Int8>(v);
+    const Int8 exponent = (bits - kRootOfHalf) >> 23;
+    const Int8 scaled = bits - exponent * kExponent;
+    const Float8 m = reinterpret_cast<Float8>(scaled);
+    const Float8 u = (m - 1.F) / (m + 1.F), square = u * u;
+    const Float8 series =
+        1.F + square * (1.F / 3 + square * (1.F / 5 + square * (1.F / 7 + square * (1.F / 9))));
+    value = ToFloat8(exponent).value * 0.693147181F + 2.F * u * series;
+  }
+};
+
 // The sum of eight numbers, always in the same order.
 [[gnu::always_inline]] inline float sum(const Float8& v) {
   return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));

@@ -12,7 +12,6 @@
 namespace edvo {
 namespace {
 
-constexpr int kPatch = kBlockSide + 1;  // voxels that the cells of a block touch, per axis
 constexpr int kCorners = 8;
 
 int floor_block(int voxel) {
