@@ -8,12 +8,8 @@ root=$1
 suite=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-[[ -e $root/bin/bash ]] || debootstrap --variant=minbase "$suite" "$root"
-# As this machine reaches its packages.
-cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/"
-cp /etc/resolv.conf "$root/etc/"
-for shared in proc dev; do mount --bind "/$shared" "$root/$shared"; done
-trap 'umount "$root/proc" "$root/dev"' EXIT
+source scripts/bare_root.sh
+prepare_root "$suite" "$root"
 
 rm -rf "$root/edvo-packages"
 mkdir "$root/edvo-packages"

@@ -6,13 +6,8 @@ set -euo pipefail
 suite=$1 root=$2
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
-[[ -e $root/bin/bash ]] || debootstrap --variant=minbase "$suite" "$root"
-# As this machine reaches its packages.
-cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/"
-cp /etc/resolv.conf "$root/etc/"
-
-for shared in proc dev; do mount --bind "/$shared" "$root/$shared"; done
-trap 'umount "$root/proc" "$root/dev"' EXIT
+source "$repository/scripts/bare_root.sh"
+prepare_root "$suite" "$root"
 mkdir -p "$root/edvo"
 git -C "$repository" archive HEAD | tar -x -C "$root/edvo"
 chroot "$root" bash -c 'cd /edvo && scripts/demo.sh && scripts/test.sh'

@@ -36,16 +36,15 @@ void append(SavedMap& all, const SavedMap& map) {
     view.id += ids;
     all.views.push_back(std::move(view));
   }
-  for (OdometryStep step : map.steps) {
-    step.from += ids;
-    step.to += ids;
-    all.steps.push_back(step);
-  }
-  for (MapLink link : map.links) {
-    link.from += ids;
-    link.to += ids;
-    all.links.push_back(link);
-  }
+  const auto append_motions = [ids](auto& motions, const auto& others) {
+    for (auto motion : others) {
+      motion.from += ids;
+      motion.to += ids;
+      motions.push_back(motion);
+    }
+  };
+  append_motions(all.steps, map.steps);
+  append_motions(all.links, map.links);
 }
 
 // The graph of both maps, in which only the new links can be switched off: what holds a map
