@@ -4,6 +4,7 @@
 #include "edvo/synth/furniture.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -208,6 +209,12 @@ Scene make_scene(SceneName name, std::uint64_t seed) {
       break;
   }
   return std::move(builder.scene);
+}
+
+Eigen::Vector3f lamp_at(const Scene& scene, double seconds) {
+  constexpr double kPeriod = 2;  // [s], of a lamp on a metre of cable
+  const auto phase = static_cast<float>(std::sin(2 * std::numbers::pi * seconds / kPeriod));
+  return scene.light + scene.lamp_swing * phase * Eigen::Vector3f::UnitX();
 }
 
 double clearance(const Scene& scene, const Eigen::Vector3d& point) {

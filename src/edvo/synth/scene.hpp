@@ -50,7 +50,9 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Solid> solids;                        // the first is the room
-  Eigen::Vector3f light = Eigen::Vector3f::Zero();  // a lamp [m]
+  Eigen::Vector3f light = Eigen::Vector3f::Zero();  // a lamp at rest [m]
+  float lamp_swing = 0;                             // how far it swings to each side along x [m]
+  bool shadows = false;                             // solids keep its light from each other
   Stage stage;
 };
 
@@ -62,6 +64,9 @@ struct Scene {
   return {.rotation = solid.world_from_solid.rotation,
           .translation = solid.world_from_solid.translation + seconds * solid.velocity};
 }
+
+// Where the lamp is at a time [s].
+[[nodiscard]] Eigen::Vector3f lamp_at(const Scene& scene, double seconds);
 
 // Distance from a point [m] to the nearest surface at time 0 [m]; negative outside the room or in a
 // solid.

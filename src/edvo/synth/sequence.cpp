@@ -106,6 +106,15 @@ void blur_motion(const SyntheticSequence& sequence, double seconds, Render& imag
   image.bgr = sum * (1.0 / kPictures);
 }
 
+// Towards the mean of the two colours of each surface.
+void flatten_patterns(Scene& scene, double contrast) {
+  for (Material& material : scene.materials) {
+    const Eigen::Vector3f middle = 0.5F * (material.dark + material.bright);
+    material.dark = middle + static_cast<float>(contrast) * (material.dark - middle);
+    material.bright = middle + static_cast<float>(contrast) * (material.bright - middle);
+  }
+}
+
 }  // namespace
 
 SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedCamera& camera,
@@ -129,6 +138,9 @@ SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedC
   }
   sequence.kept = kept_frames(sequence.options);
   if (options.moving_box) add_moving_box(sequence);
+  if (options.texture < 1) flatten_patterns(sequence.scene, options.texture);
+  sequence.scene.shadows = options.shadows;
+  sequence.scene.lamp_swing = static_cast<float>(options.lamp_swing);
   return sequence;
 }
 

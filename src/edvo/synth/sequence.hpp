@@ -28,6 +28,9 @@ struct SequenceOptions {
   double rate = 30;          // [Hz]
   double exposure_time = 0;  // [s]
   bool moving_box = false;
+  double texture = 1;  // [0..1]
+  bool shadows = false;
+  double lamp_swing = 0;     // [m]
   double dropped_share = 0;  // [0..1]
   SensorOptions sensor;
 };
@@ -43,6 +46,11 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("exposure_time", self.exposure_time, Range{0, 0.2}, "blurs motion; 0 = none [s]");
   visit("moving_box", self.moving_box, Range{},
         "a box crosses a quarter of the image in the middle of the sequence");
+  visit("texture", self.texture, Range{0, 1},
+        "contrast of the patterns on surfaces; 0 = plain surfaces");
+  visit("shadows", self.shadows, Range{}, "the lamp casts shadows");
+  visit("lamp_swing", self.lamp_swing, Range{0, 2},
+        "the lamp, and so its shadows, swings this far to each side in 2 s [m]");
   visit("dropped_share", self.dropped_share, Range{0, 0.9}, "share of frames lost at random");
 }
 

@@ -58,11 +58,15 @@ FacePaint paint_of(const Scene& scene, const Solid& solid, int face) {
 }
 
 // Ambient light that tells directions apart, plus the lamp: creases show on plain surfaces too.
-float brightness(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
-                 const Eigen::Vector3f& light) {
+// point, normal: in the frame of the solid.
+float brightness(const View& view, int solid, const Eigen::Vector3f& point,
+                 const Eigen::Vector3f& normal) {
+  const Eigen::Vector3f& light = view.lights[solid];
   const Eigen::Vector3f to_light = light - point;
   const float distance2 = to_light.squaredNorm();
-  const float lambert = std::max(0.0F, normal.dot(to_light) / std::sqrt(distance2));
+  float lambert = std::max(0.0F, normal.dot(to_light) / std::sqrt(distance2));
+  if (lambert > 0 && !view.casters.empty())
+    lambert *= lamp_share(view.casters, solid, view.world_from_solids[solid] * point, view.lamp);
   const float ambient = 0.5F + 0.06F * normal.z() + 0.05F * normal.x() + 0.03F * normal.y();
   return ambient + 0.6F * lambert / (1 + 0.06F * distance2);
 }
@@ -102,7 +106,7 @@ Shade shade_ray(const View& view, const Hit& hit, float ray_x, float ray_y, floa
   const Eigen::Array2f tile = on_face * paint.tiles + paint.first_tile;
   const float value = sample(view.scene.textures[paint.texture], tile[0], tile[1],
                              lod_of(hit.depth, incidence, sample_angle, paint.texels));
-  const float light = brightness(point, normal, view.lights[hit.solid]);
+  const float light = brightness(view, hit.solid, point, normal);
   return {.bgr = colour_of(paint, value, light), .incidence = incidence};
 }
 
@@ -115,11 +119,17 @@ View make_warp(const Scene& scene, double seconds, const SE3& world_from_camera,
             .solids = view_from(scene, seconds, world_from_camera),
             .order = {},
             .paints = {},
-            .lights = {}};
+            .lights = {},
+            .casters = scene.shadows ? casters_of(scene, seconds) : std::vector<Caster>{},
+            .world_from_solids = {},
+            .lamp = lamp_at(scene, seconds)};
   view.order = nearest_first(view.solids);
   for (const Solid& solid : scene.solids) {
-    view.lights.push_back(
-        (inverse(pose_at(solid, seconds)) * scene.light.cast<double>()).cast<float>());
+    const SE3 world_from_solid = pose_at(solid, seconds);
+    const Eigen::Isometry3d isometry =
+        Eigen::Translation3d(world_from_solid.translation) * world_from_solid.rotation;
+    view.world_from_solids.push_back(isometry.cast<float>());
+    view.lights.push_back((inverse(world_from_solid) * view.lamp.cast<double>()).cast<float>());
     std::array<FacePaint, 7> paints;
     for (int face = 0; face < 7; ++face) paints[face] = paint_of(scene, solid, face);
     view.paints.push_back(paints);
@@ -152,7 +162,7 @@ Shade shade_flat(const View& view, const Hit& hit, int x, int y) {
       mean_of_four(view.scene.textures[paint.texture], u * paint.tiles[0] + paint.first_tile[0],
                    v * paint.tiles[1] + paint.first_tile[1],
                    lod_of(hit.depth, incidence, kSampleSide * view.pixel_angle, paint.texels));
-  const float light = brightness(point, paint.normal, view.lights[hit.solid]);
+  const float light = brightness(view, hit.solid, point, paint.normal);
   return {.bgr = colour_of(paint, value, light), .incidence = incidence};
 }
 

@@ -4,8 +4,10 @@
 
 #include "edvo/synth/rays.hpp"
 #include "edvo/synth/scene.hpp"
+#include "edvo/synth/shadow.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <opencv2/core.hpp>
 #include <span>
@@ -34,7 +36,10 @@ struct View {
   std::vector<int> order;                        // of solids that may be seen, nearest first
   std::vector<std::array<FacePaint, 7>> paints;  // of the faces of each solid
   std::vector<Eigen::Vector3f> lights;           // the lamp in the frame of each solid [m]
-  float pixel_angle = 0;                         // [rad]
+  std::vector<Caster> casters;                   // empty: no shadows
+  std::vector<Eigen::Isometry3f> world_from_solids;
+  Eigen::Vector3f lamp = Eigen::Vector3f::Zero();  // in the world [m]
+  float pixel_angle = 0;                           // [rad]
 };
 
 [[nodiscard]] View make_warp(const Scene& scene, double seconds, const SE3& world_from_camera,
