@@ -2,11 +2,12 @@
 #include "edvo/window/joint_refinement.hpp"
 
 #include "edvo/core/parallel.hpp"
+#include "edvo/window/block_cholesky.hpp"
 #include "edvo/window/keyframe_unknowns.hpp"
 #include "edvo/window/pair_model.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace edvo {
@@ -22,7 +23,6 @@ constexpr double kTurned = 0.5;  // cosine between directions of view, below: no
 constexpr int kAtOnce = 32;      // hosts whose systems are in memory
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // A host's points seen in all of its targets. Unknowns: the host's, then each target's.
 struct HostSystem {
@@ -40,15 +40,34 @@ struct ReducedSystem {
   double cost = 0;
 };
 
-void add_priors(const WindowKeyframe& host, HostSystem& s) {
-  for (std::size_t i = 0; i < host.points.size(); ++i) {
-    const WindowPoint& point = host.points[i];
+// Of inverse depths by what was measured; returns the cost.
+double add_priors(const std::vector<WindowPoint>& points, Eigen::VectorXf& gradient,
+                  Eigen::VectorXf& curvature) {
+  double cost = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const WindowPoint& point = points[i];
     const double error = point.inverse_depth - point.measured;
-    s.depth_gradient[static_cast<Eigen::Index>(i)] = static_cast<float>(point.weight * error);
-    s.depth_curvature[static_cast<Eigen::Index>(i)] = static_cast<float>(point.weight);
-    s.cost += 0.5 * point.weight * error * error;
+    gradient[static_cast<Eigen::Index>(i)] = static_cast<float>(point.weight * error);
+    curvature[static_cast<Eigen::Index>(i)] = static_cast<float>(point.weight);
+    cost += 0.5 * point.weight * error * error;
   }
-  brightness_prior(host.gain, host.bias).add_to(s, 6);
+  return cost;
+}
+
+// What a pair adds to the systems of the host's inverse depths after a step of both keyframes.
+void add_moved(const PairModel& model, const BlockVector& host_step, const BlockVector& target_step,
+               Eigen::VectorXf& gradient, Eigen::VectorXf& curvature) {
+  const Eigen::Map<const Eigen::Matrix<float, kN, 1>> b(kFromTarget.data());
+  const Eigen::Matrix<float, kN, 1> step =
+      (from_host(model.geometry) * host_step + b.cast<double>().cwiseProduct(target_step))
+          .cast<float>();
+  const Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, kN, Eigen::RowMajor>> coupling(
+      model.coupling.data(), gradient.size(), kN);
+  gradient += coupling * step;
+  for (std::size_t i = 0; i < model.point_normals.size(); ++i) {
+    gradient[static_cast<Eigen::Index>(i)] += model.point_normals[i].gradient;
+    curvature[static_cast<Eigen::Index>(i)] += model.point_normals[i].curvature;
+  }
 }
 
 void add_model(const PairModel& model, int target, HostSystem& s) {
@@ -87,15 +106,21 @@ HostSystem host_system(const WindowKeyframe& host, const std::vector<PairModel>&
                .coupling = RowMatrix::Zero(points, n),
                .depth_gradient = Eigen::VectorXf::Zero(points),
                .depth_curvature = Eigen::VectorXf::Zero(points)};
-  add_priors(host, s);
+  s.cost = add_priors(host.points, s.depth_gradient, s.depth_curvature);
+  brightness_prior(host.gain, host.bias).add_to(s, 6);
   for (std::size_t k = 0; k < models.size(); ++k) add_model(models[k], static_cast<int>(k), s);
   return s;
 }
 
 ReducedSystem reduce(const HostSystem& s) {
-  const RowMatrix scaled = s.depth_curvature.cwiseInverse().asDiagonal() * s.coupling;
-  return {.hessian = s.hessian - (s.coupling.transpose() * scaled).cast<double>(),
-          .gradient = s.gradient - (scaled.transpose() * s.depth_gradient).cast<double>(),
+  const Eigen::VectorXf scale = s.depth_curvature.cwiseInverse().cwiseSqrt();
+  const RowMatrix scaled = scale.asDiagonal() * s.coupling;
+  const Eigen::VectorXf depths = scale.cwiseProduct(s.depth_gradient);
+  Eigen::MatrixXf by_depths = Eigen::MatrixXf::Zero(s.hessian.rows(), s.hessian.cols());
+  by_depths.selfadjointView<Eigen::Lower>().rankUpdate(scaled.transpose());
+  by_depths.triangularView<Eigen::StrictlyUpper>() = by_depths.transpose();
+  return {.hessian = s.hessian - by_depths.cast<double>(),
+          .gradient = s.gradient - (scaled.transpose() * depths).cast<double>(),
           .cost = s.cost};
 }
 
@@ -109,14 +134,13 @@ class JointProblem {
         threads_(threads),
         models_(keyframes.size()) {
     for (std::size_t h = 0; h < keyframes.size(); ++h) models_[h].resize(targets[h].size());
-    unknowns_ = kN * (static_cast<int>(keyframes.size()) - 1);
-    make_pattern();
+    system_.emplace(static_cast<int>(keyframes.size()) - 1, pattern());
   }
 
   // Makes the system of the present state; returns the cost.
   double linearize() {
-    std::fill_n(hessian_.valuePtr(), hessian_.nonZeros(), 0.0);
-    gradient_ = Eigen::VectorXd::Zero(unknowns_);
+    system_->set_zero();
+    gradient_ = Eigen::VectorXd::Zero(kN * (static_cast<int>(keyframes_.size()) - 1));
     double cost = 0;
     const int count = static_cast<int>(keyframes_.size());
     std::vector<ReducedSystem> systems(kAtOnce);
@@ -139,86 +163,66 @@ class JointProblem {
 
   // Goes to the lowest point of that system; false, and nothing changes, if it has none.
   bool step() {
-    for (int i = 0; i < unknowns_; ++i) hessian_.coeffRef(i, i) *= 1 + kDamping;
-    if (!std::exchange(analyzed_, true)) factor_.analyzePattern(hessian_);
-    factor_.factorize(hessian_);
-    if (factor_.info() != Eigen::Success) return false;
-    const Eigen::VectorXd step = factor_.solve(-gradient_);
+    if (!system_->factorize(1 + kDamping)) return false;
+    const Eigen::VectorXd step = system_->solve(-gradient_);
     if (!step.allFinite()) return false;
     for_each_index(static_cast<int>(keyframes_.size()), threads_,
                    [&](int h) { move_points(h, step); });
     for (std::size_t k = 1; k < keyframes_.size(); ++k)
-      move_keyframe(step.segment<kN>(column(static_cast<int>(k))), keyframes_[k]);
+      move_keyframe(step.segment<kN>(kN * row_of(static_cast<int>(k))), keyframes_[k]);
     return true;
   }
 
  private:
-  // The first keyframe has none.
-  static int column(int keyframe) { return kN * (keyframe - 1); }
+  // Of blocks; the first keyframe has none.
+  static int row_of(int keyframe) { return keyframe - 1; }
 
-  [[nodiscard]] std::vector<int> columns(int host) const {
-    std::vector<int> all = {column(host)};
-    for (const int t : targets_[static_cast<std::size_t>(host)]) all.push_back(column(t));
+  [[nodiscard]] std::vector<int> rows_of(int host) const {
+    std::vector<int> all = {row_of(host)};
+    for (const int t : targets_[static_cast<std::size_t>(host)]) all.push_back(row_of(t));
     return all;
   }
 
-  // All blocks on and below the diagonal that hosts add to.
-  void make_pattern() {
+  // All blocks below the diagonal that hosts add to.
+  [[nodiscard]] std::vector<std::pair<int, int>> pattern() const {
     std::vector<std::pair<int, int>> blocks;
     for (int h = 0; h < static_cast<int>(keyframes_.size()); ++h)
-      for (const int a : columns(h))
-        for (const int b : columns(h))
-          if (b >= 0 && a >= b) blocks.emplace_back(b, a);
+      for (const int a : rows_of(h))
+        for (const int b : rows_of(h))
+          if (b >= 0 && a > b) blocks.emplace_back(a, b);
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(blocks.size() * kN * kN);
-    for (const auto& [b, a] : blocks)
-      for (int c = 0; c < kN; ++c)
-        for (int r = 0; r < kN; ++r) entries.emplace_back(a + r, b + c, 0.0);
-    hessian_.resize(unknowns_, unknowns_);
-    hessian_.setFromTriplets(entries.begin(), entries.end());
+    return blocks;
   }
 
   void add(int host, const ReducedSystem& system) {
-    const std::vector<int> all = columns(host);
+    const std::vector<int> all = rows_of(host);
     for (int j = 0; j < static_cast<int>(all.size()); ++j) {
       const int b = all[static_cast<std::size_t>(j)];
       if (b < 0) continue;
-      gradient_.segment<kN>(b) += system.gradient.segment<kN>(kN * j);
+      gradient_.segment<kN>(kN * b) += system.gradient.segment<kN>(kN * j);
       for (int i = 0; i < static_cast<int>(all.size()); ++i)
-        if (all[static_cast<std::size_t>(i)] >= b)
-          add_block(all[static_cast<std::size_t>(i)], b,
-                    system.hessian.block<kN, kN>(kN * i, kN * j));
-    }
-  }
-
-  void add_block(int row, int first_column, const BlockMatrix& block) {
-    for (int c = 0; c < kN; ++c) {
-      const int* const begin =
-          hessian_.innerIndexPtr() + hessian_.outerIndexPtr()[first_column + c];
-      const int* const end =
-          hessian_.innerIndexPtr() + hessian_.outerIndexPtr()[first_column + c + 1];
-      double* const values =
-          hessian_.valuePtr() + (std::lower_bound(begin, end, row) - hessian_.innerIndexPtr());
-      for (int r = 0; r < kN; ++r) values[r] += block(r, c);
+        if (const int a = all[static_cast<std::size_t>(i)]; a >= b)
+          system_->add(a, b, system.hessian.block<kN, kN>(kN * i, kN * j));
     }
   }
 
   // The inverse depths of a host's points, as a step of the keyframes leaves them best.
   void move_points(int host, const Eigen::VectorXd& step) {
     const auto h = static_cast<std::size_t>(host);
-    const HostSystem s = host_system(keyframes_[h], models_[h]);
-    const std::vector<int> all = columns(host);
-    Eigen::VectorXf local = Eigen::VectorXf::Zero(s.gradient.size());
-    for (int i = 0; i < static_cast<int>(all.size()); ++i)
-      if (const int at = all[static_cast<std::size_t>(i)]; at >= 0)
-        local.segment<kN>(kN * i) = step.segment<kN>(at).cast<float>();
-    const Eigen::VectorXf depths =
-        -(s.depth_gradient + s.coupling * local).cwiseQuotient(s.depth_curvature);
-    for (std::size_t i = 0; i < keyframes_[h].points.size(); ++i)
-      (void)move_point(static_cast<double>(depths[static_cast<Eigen::Index>(i)]),
-                       keyframes_[h].points[i]);
+    const auto step_of = [&](int keyframe) -> BlockVector {
+      if (row_of(keyframe) < 0) return BlockVector::Zero();
+      return step.segment<kN>(kN * row_of(keyframe));
+    };
+    std::vector<WindowPoint>& points = keyframes_[h].points;
+    Eigen::VectorXf gradient(points.size()), curvature(points.size());
+    add_priors(points, gradient, curvature);
+    for (std::size_t k = 0; k < models_[h].size(); ++k)
+      add_moved(models_[h][k], step_of(host), step_of(targets_[h][k]), gradient, curvature);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      (void)move_point(static_cast<double>(-gradient[at] / curvature[at]), points[i]);
+    }
   }
 
   std::vector<WindowKeyframe>& keyframes_;
@@ -226,11 +230,8 @@ class JointProblem {
   PairConstants constants_;
   int threads_;
   std::vector<std::vector<PairModel>> models_;  // of each host and its targets
-  int unknowns_ = 0;
-  SparseMatrix hessian_;  // the blocks on and below the diagonal
+  std::optional<BlockCholesky> system_;
   Eigen::VectorXd gradient_;
-  bool analyzed_ = false;
-  Eigen::SimplicialLDLT<SparseMatrix> factor_;
 };
 
 double view_in_common(const WindowKeyframe& a, const WindowKeyframe& b, const Camera& camera) {
