@@ -16,7 +16,7 @@ namespace {
 constexpr int kN = kKeyframeUnknowns;
 constexpr double kDamping = 1e-4;
 constexpr double kStale = 0.1;   // [px] that points have moved by for a pair to be linearized anew
-constexpr int kNextInTime = 3;   // keyframes to each side that are always neighbours
+constexpr int kNextInTime = 5;   // keyframes to each side that are always neighbours
 constexpr int kApart = 3;        // keyframes between two other neighbours
 constexpr double kView = 0.3;    // [0..1] of the points that both must see of each other
 constexpr double kTurned = 0.5;  // cosine between directions of view, below: nothing in common

@@ -10,7 +10,7 @@
 namespace edvo {
 
 struct JointOptions {
-  int neighbours = 12;  // keyframes in which each one's points are looked for, at most
+  int neighbours = 16;  // keyframes in which each one's points are looked for, at most
   int iterations = 8;   // linearizations
   double tolerance = 5e-4;
   int threads = 2;  // the result is the same for any number

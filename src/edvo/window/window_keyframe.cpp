@@ -9,6 +9,9 @@ namespace edvo {
 namespace {
 
 constexpr float kJump = 0.03F;  // difference of neighbouring depths / depth, beyond: not smooth
+// Weight of a point's own measured depth beside what images tell: errors of neighbouring pixels'
+// depths are alike, so it tells less than its noise says.
+constexpr double kOwnDepth = 0.25;
 
 }  // namespace
 
@@ -36,7 +39,7 @@ WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_ke
                       .v = static_cast<float>(selected.pixel.y)};
     point.measured = point.inverse_depth = 1.0 / static_cast<double>(selected.depth);
     const double bias = options.depth_bias * point.measured;
-    point.weight = 1.0 / (options.depth_noise * options.depth_noise + bias * bias);
+    point.weight = kOwnDepth / (options.depth_noise * options.depth_noise + bias * bias);
     for (std::size_t k = 0; k < kPatchSize; ++k) {
       const int x = selected.pixel.x + static_cast<int>(kPatternX[k]);
       const int y = selected.pixel.y + static_cast<int>(kPatternY[k]);

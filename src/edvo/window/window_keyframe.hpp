@@ -58,7 +58,7 @@ struct WindowPoint {
   float u = 0, v = 0;                                     // level 0 [px]
   double inverse_depth = 0;                               // [1 / m]
   double measured = 0;                                    // [1 / m]
-  double weight = 0;                                      // 1 / sigma^2 of measured [m^2]
+  double weight = 0;                                      // of measured [m^2]
   std::array<float, kPatchSize> intensity{};              // [grey levels]
   std::array<float, kPatchSize> gradient_weight_scale{};  // weights by gradient [0..1]
 };
