@@ -65,6 +65,14 @@ TEST(ImagePoses, OfScanNetHaveAFolderAndColourIsShrunkToDepth) {
   EXPECT_EQ(choose_camera(dataset).camera.pinhole.cx, 3.5);
 }
 
+TEST(ImagePoses, CameraOf3dMatchLiesBesideItsSequences) {
+  const TemporaryFolder folder;
+  write_colour(folder.path() / "seq-01/frame-000000.color.png", 0);
+  write_depth(folder.path() / "seq-01/frame-000000.depth.png", 1000);
+  folder.write("camera-intrinsics.txt", "58.5 0 3.5\n0 58.5 2.5\n0 0 1\n");
+  EXPECT_EQ(choose_camera(open_dataset(folder.path() / "seq-01")).camera.pinhole.fx, 58.5);
+}
+
 TEST(ImagePoses, OfReplicaAreLinesAndDepthHasItsScale) {
   const TemporaryFolder folder;
   std::string lines;

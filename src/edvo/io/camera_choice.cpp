@@ -17,9 +17,10 @@ namespace {
 constexpr std::array kCameraFiles = {
     "camera.toml", "camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml",
     "calibration.txt", "camera_info.yaml", "intrinsics.txt",
-    // ScanNet; Open3D's and Redwood's recorders; Replica
+    // ScanNet; Open3D's and Redwood's recorders; 3DMatch, beside its seq-NN; Replica
     "intrinsic/intrinsic_depth.txt", "camera_intrinsic.json", "intrinsic.json",
-    "camera_primesense.json", "../cam_params.json", "../../cam_params.json"};
+    "camera_primesense.json", "camera-intrinsics.txt", "../camera-intrinsics.txt",
+    "../cam_params.json", "../../cam_params.json"};
 
 [[noreturn]] void fail_without_camera(const Dataset& dataset, const std::string& reason) {
   throw Error(
