@@ -132,7 +132,9 @@ TEST(Photometric, CostIsTheWeightedSumOfLossesAndOfTheOutsideOnes) {
     }
     const double alone = photometric_cost(points, residuals, kSigma, loss, kParameter);
     EXPECT_NEAR(alone, expected, 1e-5 * expected) << name_of(loss);
-    EXPECT_EQ(alone, sum_photometric(points, residuals, 1.1, kSigma, loss, kParameter).cost);
+    EXPECT_EQ(
+        alone,
+        sum_photometric(points, residuals, all_of(residuals), 1.1, kSigma, loss, kParameter).cost);
   }
 }
 

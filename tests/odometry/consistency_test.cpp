@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <cmath>
 
 namespace edvo {
 namespace {
@@ -38,12 +39,13 @@ struct Setting {
   SceneName scene = SceneName::kOffice;
   PathName path = PathName::kDemo;
   int seed = 0;
-  double lowest = 0.3;  // of NEES / 6
+  synth::SensorKind sensor = synth::SensorKind::kKinect1;
+  double highest = 2.0;  // factor of the errors by their sigmas
 };
 
 std::string to_text(const Setting& setting) {
-  return fmt::format("{}_path{}_seed{}", name_of(setting.scene), static_cast<int>(setting.path),
-                     setting.seed);
+  return fmt::format("{}_path{}_seed{}_{}", name_of(setting.scene), static_cast<int>(setting.path),
+                     setting.seed, name_of(setting.sensor));
 }
 
 void PrintTo(const Setting& setting, std::ostream* out) {
@@ -60,7 +62,7 @@ double normalized_error(const Setting& setting) {
                            .path = setting.path,
                            .seed = setting.seed,
                            .frames = kFramesPerKeyframe * kKeyframes,
-                           .sensor = {}},
+                           .sensor = {.kind = setting.sensor}},
                           camera);
   const auto frame_at = [&](int i) {
     return make_frame(synth::make_frame(sequence, i), undistortion);
@@ -89,19 +91,27 @@ double normalized_error(const Setting& setting) {
 class Consistency : public testing::TestWithParam<Setting> {};
 
 TEST_P(Consistency, ErrorsAreAsLargeAsTheInformationSays) {
-  const double ratio = normalized_error(GetParam());
-  RecordProperty("nees_per_degree_of_freedom", std::to_string(ratio));
-  EXPECT_GE(ratio, GetParam().lowest);
-  EXPECT_LE(ratio, 3.0);
+  const double factor = std::sqrt(normalized_error(GetParam()));  // of the errors by their sigmas
+  RecordProperty("errors_by_sigmas", std::to_string(factor));
+  EXPECT_GE(factor, 0.5);
+  EXPECT_LE(factor, GetParam().highest);
 }
 
-// kInformationScale was chosen on these.
+// None of these is among the sequences that kSharedByBands was chosen on.
 INSTANTIATE_TEST_SUITE_P(
     Settings, Consistency,
-    testing::Values(Setting{SceneName::kOffice}, Setting{SceneName::kLivingRoom},
-                    Setting{SceneName::kDesk}, Setting{SceneName::kOffice, PathName::kXyz, 5},
-                    Setting{SceneName::kLivingRoom, PathName::kOrbit, 9},
-                    Setting{SceneName::kDesk, PathName::kPureRotation, 7, 0.1}),
+    testing::Values(
+        Setting{SceneName::kOffice}, Setting{SceneName::kLivingRoom}, Setting{SceneName::kDesk},
+        Setting{SceneName::kOffice, PathName::kXyz, 5},
+        Setting{SceneName::kLivingRoom, PathName::kOrbit, 9},
+        Setting{SceneName::kDesk, PathName::kPureRotation, 7},
+        Setting{SceneName::kDesk, PathName::kDemo, 31, synth::SensorKind::kStereo},
+        Setting{SceneName::kOffice, PathName::kXyz, 32, synth::SensorKind::kTof},
+        // Corners measured too far in every frame alike: no residual tells.
+        Setting{SceneName::kLivingRoom, PathName::kXyz, 32, synth::SensorKind::kTof, 3.5},
+        Setting{SceneName::kOffice, PathName::kDemo, 33, synth::SensorKind::kLidarPhone},
+        Setting{SceneName::kDesk, PathName::kXyz, 34, synth::SensorKind::kIcl},
+        Setting{SceneName::kOffice, PathName::kDemo, 35, synth::SensorKind::kClean}),
     [](const auto& test) { return to_text(test.param); });
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "edvo/align/levenberg_marquardt.hpp"
 #include "edvo/align/warp.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -18,12 +19,17 @@ constexpr double kOnlyAStart = 3.0;  // times the tolerance of steps at all but 
 constexpr float kLeastSpread = 8.F;  // [grey levels] sigma of residuals that fit is never less
 constexpr double kFlat = 0.1;        // [grey levels] an image of a smaller spread shows nothing
 constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
-// Neighbours on an edge share the errors of its depth and of interpolation: so many residuals tell
-// as much as one that is independent (measured, docs/evaluation.md).
-constexpr double kInformationScale = 10.0;
-// Times what its sigma says. 4 turns the camera where it moves aside, if only the middle of the
-// image has depth (docs/experiments/0010-few-points.md).
-constexpr double kPriorWeight = 2.0;
+// Neighbours share the errors of depth and of interpolation. How much is seen in the gradients of
+// bands of the image, of which the pose makes the sum zero (a cluster-robust covariance: Liang,
+// Zeger 1986); what whole bands share is not, so there is a factor. Measured on the sensors of
+// benchmarks/sensors.toml (docs/evaluation.md).
+constexpr std::size_t kBands = 16;
+constexpr double kSharedByBands = 15.0;
+constexpr double kLeastScatter = 0.5;  // noise does not tell of smooth errors of depth
+// Of a residual that is independent, by how many there are. Times what the prior's sigma says: 4
+// turns the camera where it moves aside, if only the middle of the image has depth
+// (docs/experiments/0010-few-points.md).
+constexpr double kPriorWeight = 20.0;
 
 // xi, gain, bias / kBrightnessUnit.
 using System = LinearSystem<8>;
@@ -70,16 +76,37 @@ class LevelProblem {
   }
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
-    const PhotometricSums photometric =
-        sum_photometric(reference_, residuals(alignment), alignment.gain, sigma_, options_.loss,
-                        static_cast<float>(options_.loss_parameter));
+    const PhotometricSums sums = photometric(alignment, all_of(residuals(alignment)));
     System system;
-    system.hessian = photometric.hessian;
-    system.gradient = photometric.gradient;
-    system.cost = photometric.cost;
+    system.hessian = sums.hessian;
+    system.gradient = sums.gradient;
+    system.cost = sums.cost;
     add_all_others(alignment, system);
     system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
     return system;
+  }
+
+  // The inverse covariance of the pose alone: gain and bias are estimated too, so it is the Schur
+  // complement, divided by how much more bands of the image scatter than independent residuals.
+  [[nodiscard]] Matrix6d information(const Alignment& alignment) const {
+    const System system = linearize(alignment);
+    const Eigen::Matrix<double, 6, 2> cross = system.hessian.topRightCorner<6, 2>();
+    const Eigen::Matrix<double, 6, 2> slope =
+        cross * system.hessian.bottomRightCorner<2, 2>().inverse();
+    const Matrix6d schur = system.hessian.topLeftCorner<6, 6>() - slope * cross.transpose();
+    const Eigen::LDLT<Matrix6d> decomposition(schur);
+    double squares = 0;
+    const auto add_score = [&](const Vector6d& gradient) {
+      squares += gradient.dot(decomposition.solve(gradient));
+    };
+    for (std::size_t band = 0; band < kBands; ++band) {
+      const Vector8d gradient =
+          photometric(alignment, part_of(scratch_.residuals.size(), band, kBands)).gradient;
+      add_score(gradient.head<6>() - slope * gradient.tail<2>());
+      if (options_.depth_weight > 0)
+        add_score(depth(alignment.cur_from_ref, part_of(surface_.x.size(), band, kBands)).gradient);
+    }
+    return schur / (kSharedByBands * std::max(kLeastScatter, squares / 6));
   }
 
   [[nodiscard]] double cost(const Alignment& alignment) const {
@@ -102,6 +129,16 @@ class LevelProblem {
   }
 
  private:
+  [[nodiscard]] PhotometricSums photometric(const Alignment& alignment, PointRange range) const {
+    return sum_photometric(reference_, residuals(alignment), range, alignment.gain, sigma_,
+                           options_.loss, static_cast<float>(options_.loss_parameter));
+  }
+
+  [[nodiscard]] PoseSums depth(const SE3& cur_from_ref, PointRange range) const {
+    return sum_surface(surface_, associations(cur_from_ref), range, cur_from_ref, depth_noise_,
+                       static_cast<float>(options_.depth_weight));
+  }
+
   [[nodiscard]] const DepthAssociations& associations(const SE3& cur_from_ref) const {
     if (scratch_.associations.is_stale(cur_from_ref, full_camera_))
       associate_depth(surface_, full_camera_, depth_, cur_from_ref, scratch_.associations);
@@ -110,10 +147,7 @@ class LevelProblem {
 
   // What is not photometric. Of the Hessian the upper triangle.
   void add_all_others(const Alignment& alignment, System& system) const {
-    if (options_.depth_weight > 0)
-      add(sum_surface(surface_, associations(alignment.cur_from_ref), alignment.cur_from_ref,
-                      depth_noise_, static_cast<float>(options_.depth_weight)),
-          system);
+    if (options_.depth_weight > 0) add(depth(alignment.cur_from_ref, all_of(surface_.x)), system);
     brightness_prior(alignment.gain, alignment.bias, options_.brightness ? 1 : kRigid)
         .add_to(system, 6);
     if (prior_.sigma > 0) add_position_prior(alignment.cur_from_ref, system);
@@ -133,7 +167,7 @@ class LevelProblem {
         0, -1, 0, c.z(), 0, -c.x(),   //
         0, 0, -1, -c.y(), c.x(), 0;
     const Eigen::Vector3d error = c - prior_.centre;
-    const double weight = kPriorWeight * kInformationScale / (prior_.sigma * prior_.sigma);
+    const double weight = kPriorWeight / (prior_.sigma * prior_.sigma);
     system.hessian.topLeftCorner<6, 6>() += weight * J.transpose() * J;
     system.gradient.head<6>() += weight * J.transpose() * error;
     system.cost += 0.5 * weight * error.squaredNorm();
@@ -244,13 +278,7 @@ AlignResult align(const Reference& reference, const Frame& frame, const Alignmen
     result.overlap = seen / n;
     result.inlier_ratio = fitting / std::max(1.0, static_cast<double>(seen));
     problem.set_sigma(static_cast<float>(result.sigma));
-    // Gain and bias are estimated too: what is known of the pose alone is the Schur complement.
-    const System system = problem.linearize(result.alignment);
-    const Eigen::Matrix2d affine = system.hessian.bottomRightCorner<2, 2>();
-    const Eigen::Matrix<double, 6, 2> cross = system.hessian.topRightCorner<6, 2>();
-    result.information =
-        (system.hessian.topLeftCorner<6, 6>() - cross * affine.inverse() * cross.transpose()) /
-        kInformationScale;
+    result.information = problem.information(result.alignment);
   }
   const bool fits = result.overlap >= options.min_overlap &&
                     result.inlier_ratio >= options.min_inliers &&

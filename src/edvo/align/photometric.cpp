@@ -205,14 +205,14 @@ double photometric_cost(const ReferenceLevel& reference, const std::vector<float
 }
 
 PhotometricSums sum_photometric(const ReferenceLevel& reference,
-                                const std::vector<float>& residuals, double gain, float sigma,
-                                Loss loss, float loss_parameter) {
+                                const std::vector<float>& residuals, PointRange range, double gain,
+                                float sigma, Loss loss, float loss_parameter) {
   const LossConstants constants = loss_constants(sigma, loss, loss_parameter);
   PhotometricSums sums;
   std::array<float, kBlock> weights, weighted;
   ColumnSums block;
-  for (std::size_t first = 0; first < residuals.size(); first += kBlock) {
-    const std::size_t count = std::min(kBlock, residuals.size() - first);
+  for (std::size_t first = range.first; first < range.last; first += kBlock) {
+    const std::size_t count = std::min(kBlock, range.last - first);
     sums.cost +=
         static_cast<double>(weigh_block(residuals.data() + first, reference.weight.data() + first,
                                         count, constants, weights.data(), weighted.data()));

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "edvo/align/brightness.hpp"
+#include "edvo/align/point_range.hpp"
 #include "edvo/align/reference.hpp"
 #include "edvo/align/robust.hpp"
 #include "edvo/core/se3.hpp"
@@ -43,7 +44,8 @@ void photometric_residuals(const ReferenceLevel& reference, const Level& current
 // sigma: of the residuals [grey levels]. Points out of view pay the loss of kInlierSigmas:
 // otherwise the best pose is one that sees nothing.
 [[nodiscard]] PhotometricSums sum_photometric(const ReferenceLevel& reference,
-                                              const std::vector<float>& residuals, double gain,
-                                              float sigma, Loss loss, float loss_parameter);
+                                              const std::vector<float>& residuals, PointRange range,
+                                              double gain, float sigma, Loss loss,
+                                              float loss_parameter);
 
 }  // namespace edvo

@@ -132,13 +132,13 @@ void associate_depth(const SurfacePoints& surface, const Camera& camera, const D
 }
 
 PoseSums sum_surface(const SurfacePoints& surface, const DepthAssociations& associations,
-                     const SE3& cur_from_ref, float noise, float weight) {
+                     PointRange range, const SE3& cur_from_ref, float noise, float weight) {
   const RigidMotion motion = rigid_motion(cur_from_ref);
   PoseSums sums;
   Accumulated block;
-  for (std::size_t first = 0; first < surface.x.size(); first += kBlock) {
+  for (std::size_t first = range.first; first < range.last; first += kBlock) {
     sum_loop(surface, associations, motion, noise, weight, first,
-             std::min(first + kBlock, surface.x.size()), block);
+             std::min(first + kBlock, range.last), block);
     add(block, sums);
   }
   return sums;

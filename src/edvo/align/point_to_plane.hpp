@@ -2,6 +2,7 @@
 // Alignment of a frame's depth to the flat pieces of a keyframe's surface (Chen, Medioni 1992).
 #pragma once
 
+#include "edvo/align/point_range.hpp"
 #include "edvo/align/pose_sums.hpp"
 #include "edvo/align/surface.hpp"
 #include "edvo/core/se3.hpp"
@@ -30,8 +31,8 @@ void associate_depth(const SurfacePoints& surface, const Camera& camera, const D
 // Residuals n . (ref_from_cur x_cur) - 1, x_cur the point that was seen: a share of depth, so its
 // sigma is that of inverse depth times depth. noise: sigma of inverse depth [1 / m].
 [[nodiscard]] PoseSums sum_surface(const SurfacePoints& surface,
-                                   const DepthAssociations& associations, const SE3& cur_from_ref,
-                                   float noise, float weight);
+                                   const DepthAssociations& associations, PointRange range,
+                                   const SE3& cur_from_ref, float noise, float weight);
 
 // Sigma of those residuals as one of inverse depth [1 / m], from their median; 0 without any.
 // errors: room to work in.
