@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
 """python3 -m unittest discover training/tests"""
-import argparse
 import sys
 import tempfile
 import unittest
@@ -16,12 +15,7 @@ import data
 import detectors
 import export
 import fetch_free
-import from_onnx
 import model
-import robust
-import twins
-
-OWN = Path(__file__).resolve().parents[2] / "models/edvo_edges.onnx"
 
 
 def line(column, rows=20, height=30, width=40):
@@ -131,48 +125,6 @@ class FreeImages(unittest.TestCase):
         rows = fetch_free.listed()
         self.assertEqual(len({fetch_free.name_of(r) for r in rows}), len(rows))
         self.assertTrue(all(len(r["commit"]) == 40 and r["licence"] and r["author"] for r in rows))
-
-
-class GoingOn(unittest.TestCase):
-    def test_a_file_becomes_a_network_of_the_same_answers_that_can_be_trained(self):
-        x = torch.from_numpy(np.random.default_rng(1).standard_normal((2, 3, 64, 96)))
-        x = x.to(torch.float32)
-        reader = cv2.dnn.readNetFromONNX(str(OWN))
-        reader.setInput(x.numpy())
-        answer = reader.forward()
-        net = from_onnx.load(OWN)
-        with torch.no_grad():
-            np.testing.assert_allclose(net(x)[:, 1:].numpy(), answer, atol=1e-4)
-            from_onnx.calibrate(net, x)
-            np.testing.assert_allclose(net(x)[:, 1:].numpy(), answer, atol=1e-4)
-            # Normalizing by the statistics of the batch changes nothing for the batch itself.
-            np.testing.assert_allclose(net.train()(x)[:, 1:].numpy(), answer, atol=0.05)
-
-    def test_what_a_network_learns_is_its_answer_for_the_clean_frame_mixed_with_canny(self):
-        clean = cv2.rectangle(np.full((64, 96, 3), 40, np.uint8), (30, 20), (60, 50),
-                              (220, 220, 220), -1)
-        noise = np.random.default_rng(1).integers(0, 255, clean.shape, np.uint8)
-        with tempfile.TemporaryDirectory() as folder:
-            for name, image in (("a", noise), ("a-clean", clean)):
-                (Path(folder) / name / "rgb").mkdir(parents=True)
-                cv2.imwrite(f"{folder}/{name}/rgb/1.png", image)
-            (Path(folder) / "photos").mkdir()
-            cv2.imwrite(f"{folder}/photos/a.png", clean)
-            options = argparse.Namespace(photos=Path(folder) / "photos", twins=Path(folder),
-                                         canny=1, device="cpu")
-            photos, twins_found = robust.samples_of(options, from_onnx.load(OWN))
-        self.assertEqual((len(photos), len(twins_found)), (2, 1))
-        np.testing.assert_array_equal(twins_found[0].bgr, noise)
-        np.testing.assert_array_equal(twins_found[0].teacher, np.rint(255 * robust.canny(clean)))
-        self.assertEqual(twins_found[0].teacher[35, 45], 0)  # inside
-        self.assertEqual(twins_found[0].teacher[35, 30], 255)  # on the border
-
-    def test_twins_differ_by_their_faults_and_leave_the_corridor_out(self):
-        both, faults = twins.flags_of(3)
-        self.assertIn("--light", faults)
-        self.assertNotIn("--light", both)
-        self.assertEqual(twins.flags_of(3), (both, faults))
-        self.assertNotIn("corridor", twins.SCENES)
 
 
 if __name__ == "__main__":
