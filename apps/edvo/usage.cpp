@@ -57,6 +57,10 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
     return fmt::format("unknown option '{}'{} See edvo {} --help", option,
                        did_you_mean(option, options_of(*verb)), name);
   }
+  for (const CLI::Option* option : verb->get_options())
+    if (option->results().size() > static_cast<std::size_t>(option->get_items_expected_max()))
+      return fmt::format("{} is given {} times ({}); it takes one value", option->get_name(),
+                         option->count(), fmt::join(option->results(), ", "));
   return fmt::format("{}; see edvo {} --help", error.what(), name);
 }
 

@@ -60,6 +60,12 @@ TEST(CommandLine, NamesTheNearestVerbAndOption) {
   EXPECT_THAT(option.output, HasSubstr("unknown option '--methd', did you mean '--method'?"));
 }
 
+TEST(CommandLine, AnOptionThatIsGivenTwiceIsNamedWithItsValues) {
+  const auto twice = run_edvo("config --method canny --method cnn 2>&1");
+  EXPECT_EQ(twice.status, static_cast<int>(ErrorCode::kUsage));
+  EXPECT_THAT(twice.output, HasSubstr("--method is given 2 times (canny, cnn)"));
+}
+
 TEST(CommandLine, HelpSucceedsAndNoVerbDoesNot) {
   EXPECT_EQ(run_edvo("--help").status, 0);
   EXPECT_EQ(run_edvo("config --help").status, 0);
