@@ -37,6 +37,33 @@ TEST(Report, NeedsNoNetwork) {
     EXPECT_THAT(page, Not(HasSubstr(part)));
 }
 
+TEST(Report, ShowsTheWorstFramesWithTheirPicturesInside) {
+  test::SampleRun run = sample_run(50);
+  run.log.worst = {
+      {.frame = 17, .seconds = 0.567, .reason = "tracked, <odd>", .picture = "anBlZyE="},
+      {.frame = 30, .seconds = 1, .reason = "lost", .picture = ""}};
+  const std::string page = page_of(run, sample_description());
+  EXPECT_THAT(page, HasSubstr("src=\"data:image/jpeg;base64,anBlZyE=\""));
+  EXPECT_THAT(page, HasSubstr("frame 17, 0.57 s: tracked, &lt;odd&gt;"));
+  EXPECT_THAT(page, HasSubstr("no picture"));
+  // From the plots there, and from nowhere else.
+  for (const char* part :
+       {"href=\"#worst-1\"", "id=\"worst-1\"", "href=\"#worst-2\"", "id=\"worst-2\""})
+    EXPECT_THAT(page, HasSubstr(part));
+  for (std::size_t at = page.find("src="); at != page.npos; at = page.find("src=", at + 1))
+    EXPECT_EQ(page.substr(at, 10), "src=\"data:");
+}
+
+TEST(Report, MarksEventsInThePlotsOverTime) {
+  test::SampleRun run = sample_run(420);  // lost: 391 to 399
+  run.log.frames[400].status = FrameStatus::kRestarted;
+  const std::string page = page_of(run, sample_description());
+  for (const char* part : {"<h2>Events</h2>", "href=\"#event-1\"", "id=\"event-1\"",
+                           "restarted, frame 400: a new segment", "1 lost · 1 restarted"})
+    EXPECT_THAT(page, HasSubstr(part));
+  EXPECT_THAT(page_of(sample_run(50), sample_description()), Not(HasSubstr("<h2>Events</h2>")));
+}
+
 TEST(Report, TakesNoMarkupFromNames) {
   RunDescription description = sample_description();
   for (std::string* text :

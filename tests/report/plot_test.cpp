@@ -143,5 +143,21 @@ TEST(Plot, ShadesSpansAndTicksMarksInsideItsLimits) {
   EXPECT_EQ(count(svg, "v-9"), 2);
 }
 
+TEST(Plot, MarksEventsWhereTheyAreAndJoinsThoseTooCloseToBeToldApart) {
+  Plot plot{
+      .x_label = "time [s]", .y_label = "y", .series = {{.name = "a", .x = {0, 100}, .y = {0, 1}}}};
+  plot.x_limits = Limits{0, 100};
+  plot.events = {{.x = 50, .text = "one", .color = "#111111", .label = {}, .link = "#e1"},
+                 {.x = 50.1, .text = "two", .color = "#111111", .label = {}, .link = "#e2"},
+                 {.x = 50, .text = "worst", .color = "#222222", .label = "1", .link = "#w1"},
+                 {.x = 200, .text = "outside", .color = "#111111", .label = {}, .link = {}}};
+  const std::string svg = to_svg(plot);
+  EXPECT_THAT(svg, HasSubstr("<title>one\ntwo</title>"));
+  EXPECT_THAT(svg, HasSubstr("href=\"#e1\""));
+  EXPECT_THAT(svg, HasSubstr("href=\"#w1\""));
+  EXPECT_THAT(svg, Not(HasSubstr("#e2")));
+  EXPECT_THAT(svg, Not(HasSubstr("outside")));
+}
+
 }  // namespace
 }  // namespace edvo

@@ -169,6 +169,22 @@ TEST(Recorder, FinishReplacesTheTrajectoryAndKeepsTheOneKnownAtTheTime) {
   EXPECT_THAT(text_of(folder.path() / "report.html"), HasSubstr("</html>"));
 }
 
+TEST(Recorder, ShowsPicturesOfTheWorstFramesInTheReport) {
+  const test::TemporaryFolder folder;
+  Recorder recorder(folder.path(), sample_description(), kWithHtml);
+  const Frame image{.bgr = cv::Mat(48, 64, CV_8UC3, cv::Scalar(10, 20, 30))};
+  for (int i = 0; i < 40; ++i) {
+    FrameResult result = sample_report(i);
+    if (i == 21) result.rms = 40;
+    recorder.frame(result, image);
+  }
+  recorder.end(outcome_of(40));
+  ASSERT_FALSE(recorder.log().worst.empty());
+  EXPECT_EQ(recorder.log().worst.front().frame, 21);
+  EXPECT_THAT(text_of(folder.path() / "report.html"),
+              HasSubstr("data-frame=\"21\" src=\"data:image/jpeg;base64,/9j/"));
+}
+
 TEST(Recorder, LeavesNoHalfFilesBehind) {
   const test::TemporaryFolder folder;
   Recorder recorder(folder.path(), sample_description(), !kWithHtml);

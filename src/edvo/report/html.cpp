@@ -2,6 +2,7 @@
 #include "edvo/report/html.hpp"
 
 #include "edvo/report/html_assets.hpp"
+#include "edvo/report/html_events.hpp"
 #include "edvo/report/html_plots.hpp"
 #include "edvo/report/markup.hpp"
 
@@ -244,7 +245,7 @@ std::string worst_card(const RunSummary& summary, const RunLog& log, const Stamp
   rows += worst_row("least overlap with its keyframe", overlap,
                     fmt::format("{:.1f} %", kPercent * overlap.overlap));
   rows += worst_row("slowest", slowest, fmt::format("{:.2f} ms", slowest.milliseconds.total));
-  return "<section class=\"card\"><h2>Worst frames</h2><table><thead><tr><th>by</th>"
+  return "<section class=\"card\"><h2>Extremes</h2><table><thead><tr><th>by</th>"
          "<th class=\"number\">value</th><th class=\"number\">frame</th>"
          "<th class=\"number\">stamp [s]</th></tr></thead><tbody>\n" +
          rows + "</tbody></table></section>\n";
@@ -332,7 +333,8 @@ std::string to_html(const RunSummary& summary, const RunLog& log, const RunOutco
       "<title>{} · edvo</title>\n<style>{}</style></head>\n<body><main>\n",
       escape_markup(summary.run.sequence), kReportStyle);
   html += header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
-  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) +
+  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + "</div>\n" +
+          worst_frames_section(log) + "<div class=\"grid\">\n" + events_card(log) +
           worst_card(summary, log, outcome.first_stamp) + keyframes_card(log) +
           facts_card(summary) + machine_card(summary) + "</div>\n" + reproduce_section(summary);
   html += fmt::format(

@@ -63,6 +63,13 @@ tr:last-child > * { border-bottom: 0; }
 td.text { overflow-wrap: anywhere; }
 .scroll { max-height: 330px; overflow: auto; margin-top: 8px; }
 .scroll thead th { position: sticky; top: 0; background: var(--card); }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(210px, 1fr)); gap: 14px;
+  margin-top: 10px; }
+.pictures figure { margin: 0; border-radius: 8px; }
+.pictures img { display: block; width: 100%; max-width: 320px; border-radius: 8px; }
+.pictures figcaption { font-size: 12.5px; line-height: 1.4; margin-top: 5px; }
+:target { outline: 3px solid var(--accent); outline-offset: 4px; }
+a.event { cursor: pointer; }
 .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 8px; }
 pre { margin: 8px 0 0; padding: 12px 14px; background: var(--page); border: 1px solid var(--line);
   border-radius: 8px; overflow-x: auto; font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; }
@@ -100,7 +107,7 @@ const std::string_view kReportScript = R"js(
       points: [...path.getAttribute("d").matchAll(/([ML])([-\d.]+) ([-\d.]+)/g)]
         .map((m) => [Number(m[2]), Number(m[3]), m[1] === "M"]),
     }));
-    svg.querySelectorAll("title").forEach((title) => title.remove());
+    svg.querySelectorAll("path.series title").forEach((title) => title.remove());
     const stacked = figure.dataset.kind === "stack";
     if (stacked) lines.reverse();
     const cursor = document.createElementNS(SVG, figure.dataset.kind === "map" ? "circle" : "path");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/html_plots.hpp"
 
+#include "edvo/report/html_events.hpp"
 #include "edvo/report/markup.hpp"
 #include "edvo/report/plot.hpp"
 
@@ -32,6 +33,7 @@ struct Timeline {
   Limits range;                   // [s]
   std::vector<Limits> lost;       // [s]
   std::vector<double> keyframes;  // [s]
+  std::vector<PlotEvent> events;
 };
 
 double seconds_since_start(const RunLog& log, const Stamp& stamp) {
@@ -52,6 +54,7 @@ Timeline make_timeline(const RunLog& log) {
     if (frame.keyframe) timeline.keyframes.push_back(seconds);
     was_lost = is_lost;
   }
+  timeline.events = plot_events_of(log);
   return timeline;
 }
 
@@ -143,6 +146,7 @@ Plot time_plot(const Timeline& timeline, std::string y_label) {
           .y_label = std::move(y_label),
           .x_limits = timeline.range,
           .bands = timeline.lost,
+          .events = timeline.events,
           .width = kPlotWidth,
           .height = kPlotHeight};
 }

@@ -11,4 +11,7 @@ namespace edvo {
 // attributes.
 [[nodiscard]] std::string escape_markup(std::string_view text);
 
+// The bytes in the alphabet of RFC 4648, for data: URLs.
+[[nodiscard]] std::string base64(std::string_view bytes);
+
 }  // namespace edvo

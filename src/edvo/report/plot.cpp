@@ -2,6 +2,7 @@
 #include "edvo/report/plot.hpp"
 
 #include "edvo/report/markup.hpp"
+#include "edvo/report/plot_events.hpp"
 
 #include <fmt/core.h>
 
@@ -375,7 +376,11 @@ std::string to_svg(const Plot& given) {
                        kLeft, escape_markup(plot.title));
   svg += legend.svg + axes_of(canvas, plot) + decorations_of(canvas, plot);
   const std::string curves = plot.stacked ? areas_of(canvas, plot) : lines_of(canvas, plot);
-  svg += curves;
+  svg += curves + event_marks(plot.events, {.left = canvas.left,
+                                            .top = canvas.top,
+                                            .width = canvas.width,
+                                            .height = canvas.height,
+                                            .x = canvas.x});
   if (curves.empty())
     svg += text(canvas.left + 0.5 * canvas.width, canvas.top + 0.5 * canvas.height, "middle",
                 "no data");

@@ -20,6 +20,15 @@ struct Limits {
   double low = 0, high = 1;
 };
 
+// Something that happened at x, marked at the upper border.
+struct PlotEvent {
+  double x = 0;
+  std::string text;   // what happened, shown by a browser under the mouse
+  std::string color;  // "#rrggbb"
+  std::string label;  // one or two letters; empty = a triangle
+  std::string link;   // where a click leads, empty = nowhere
+};
+
 struct Plot {
   std::string title;
   std::string x_label, y_label;  // with the unit in brackets: "time [s]"
@@ -29,6 +38,7 @@ struct Plot {
   std::optional<Limits> x_limits = {}, y_limits = {};  // otherwise from the data
   std::vector<Limits> bands = {};                      // spans of x to shade
   std::vector<double> marks = {};                      // x to tick along the lower border
+  std::vector<PlotEvent> events = {};
   double width = 760, height = 0;  // [px]; height 0 = what suits the kind of plot
 };
 

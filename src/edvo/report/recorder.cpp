@@ -3,6 +3,8 @@
 
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/html.hpp"
+#include "edvo/report/markup.hpp"
+#include "edvo/report/worst_frames.hpp"
 
 #include <fmt/chrono.h>
 
@@ -21,7 +23,7 @@ Recorder::Recorder(std::filesystem::path folder, RunDescription run, bool with_h
   write_whole(folder_ / "config.toml", run_.config);
 }
 
-void Recorder::frame(const FrameResult& report, const Frame& /*image*/) {
+void Recorder::frame(const FrameResult& report, const Frame& image) {
   frames_.append(to_json_line(report));
   log_.frames.push_back({.index = report.index,
                          .stamp = report.stamp,
@@ -30,7 +32,11 @@ void Recorder::frame(const FrameResult& report, const Frame& /*image*/) {
                          .inlier_ratio = static_cast<float>(report.inlier_ratio),
                          .overlap = static_cast<float>(report.overlap),
                          .milliseconds = report.milliseconds,
-                         .finished = std::chrono::duration<double>(Clock::now() - begun_).count()});
+                         .finished = std::chrono::duration<double>(Clock::now() - begun_).count(),
+                         .rms = static_cast<float>(report.rms),
+                         .loss_cause = report.loss_cause,
+                         .new_keyframe = report.new_keyframe.value_or(-1)});
+  if (with_html_) pictures_.offer(report, image.bgr);
   if (report.status == FrameStatus::kLost) return;
   if (report.segment != segment_) trajectory_.append(segment_line(report.segment));
   segment_ = report.segment;
@@ -45,12 +51,16 @@ void Recorder::skipped(const SkippedFrame& skipped) {
 
 void Recorder::links(std::span<const LinkReport> links) {
   std::string lines;
-  for (const LinkReport& link : links) lines += to_json_line(link) + '\n';
+  for (const LinkReport& link : links) {
+    lines += to_json_line(link) + '\n';
+    if (link.status == LinkStatus::kAccepted) log_.links.push_back({link.from, link.to});
+  }
   write_whole(folder_ / "links.jsonl", lines);
 }
 
 void Recorder::warning(const std::string& text) {
   run_.warnings.push_back(text);
+  log_.warnings.push_back({.frames_before = log_.frames.size(), .text = text});
 }
 
 void Recorder::end(const RunOutcome& outcome) {
@@ -59,7 +69,10 @@ void Recorder::end(const RunOutcome& outcome) {
   write_trajectory(folder_ / "keyframes.tum", outcome.keyframes);
   summary_ = summarize(run_, log_, outcome);
   write_whole(folder_ / "summary.json", to_json(summary_));
-  if (with_html_) write_whole(folder_ / "report.html", to_html(summary_, log_, outcome));
+  if (!with_html_) return;
+  log_.worst = choose_worst_frames(log_, outcome.evaluation, pictures_.frames());
+  for (WorstFrame& worst : log_.worst) worst.picture = base64(pictures_.jpeg_of(worst.frame));
+  write_whole(folder_ / "report.html", to_html(summary_, log_, outcome));
 }
 
 }  // namespace edvo

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "edvo/io/output_file.hpp"
+#include "edvo/report/pictures.hpp"
 #include "edvo/report/summary.hpp"
 #include "edvo/run/observer.hpp"
 
@@ -51,6 +52,7 @@ class Recorder final : public Observer {
   LineFile trajectory_;
   int segment_ = 0;  // of the last pose in the trajectory
   RunLog log_;
+  PictureCandidates pictures_;  // for report.html
   RunSummary summary_;
 };
 

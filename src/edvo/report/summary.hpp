@@ -60,11 +60,36 @@ struct FrameRecord {
   float inlier_ratio = 0, overlap = 0;  // [0..1]
   StageTimes milliseconds;
   double finished = 0;  // wall time since the run began [s]
+  float rms = 0;        // photometric, of the inliers [grey levels]
+  LossCause loss_cause = LossCause::kNone;
+  std::int64_t new_keyframe = -1;  // that the frame became, -1 = none
+};
+
+// Two keyframes that show the same place, found and accepted.
+struct KeyframeLink {
+  std::int64_t from = 0, to = 0;
+};
+
+// What turned up on the way.
+struct TimedWarning {
+  std::size_t frames_before = 0;  // processed by then
+  std::string text;
+};
+
+// A frame to look at, with its picture.
+struct WorstFrame {
+  std::int64_t frame = 0;  // index in the input
+  double seconds = 0;      // since the first frame [s]
+  std::string reason;      // one line
+  std::string picture;     // JPEG in base64, empty = none
 };
 
 struct RunLog {
   std::vector<FrameRecord> frames;
   std::vector<SkippedFrame> skipped;
+  std::vector<KeyframeLink> links = {};
+  std::vector<TimedWarning> warnings = {};
+  std::vector<WorstFrame> worst = {};  // the worst first
 };
 
 // Over all frames, also those in which the stage had nothing to do. [ms]
