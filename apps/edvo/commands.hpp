@@ -14,6 +14,7 @@ void add_run_command(CLI::App& program, const Extension& extension);
 void add_eval_command(CLI::App& program);
 void add_demo_command(CLI::App& program, const Extension& extension);
 void add_synth_command(CLI::App& program);
+void add_report_command(CLI::App& program);
 void add_bench_command(CLI::App& program, const Extension& extension);
 void add_edges_command(CLI::App& program);
 void add_models_command(CLI::App& program);

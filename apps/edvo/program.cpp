@@ -26,6 +26,7 @@ void add_verbs(CLI::App& program, const Extension& extension) {
   add_demo_command(program, extension);
   add_synth_command(program);
   add_eval_command(program);
+  add_report_command(program);
   add_bench_command(program, extension);
   add_edges_command(program);
   add_models_command(program);
@@ -40,6 +41,7 @@ constexpr const char* kExamples = R"(Examples:
   edvo demo                                 something to look at, without any data
   edvo run rgbd_dataset_freiburg1_xyz       a folder; also a .tgz or .zip
   edvo run FOLDER --camera camera.yaml --depth-scale 1000
+  edvo report RUN_A RUN_B                   runs side by side on one page
   edvo eval groundtruth.txt trajectory.tum  ATE and RPE of any system
   edvo help run                             all options of a verb)";
 

@@ -148,9 +148,9 @@ const std::string_view kReportScript = R"js(
   const show = (seconds, here, event) => {
     const frame = route.length ? nearest(seconds) : null;
     for (const plot of plots) {
+      if (plot.figure.dataset.kind === "map" && !frame) continue;
       plot.cursor.style.display = "";
       if (plot.figure.dataset.kind === "map") {
-        if (!frame) continue;
         plot.cursor.setAttribute("cx", plot.px(frame[2 + Number(plot.figure.dataset.right)]));
         plot.cursor.setAttribute("cy",
           plot.py(Number(plot.figure.dataset.sign) * frame[2 + Number(plot.figure.dataset.up)]));
@@ -193,10 +193,10 @@ const std::string_view kReportScript = R"js(
   }
 
   const copy = document.getElementById("copy");
-  if (navigator.clipboard) copy.addEventListener("click", () => {
+  if (copy && navigator.clipboard) copy.addEventListener("click", () => {
     navigator.clipboard.writeText(document.getElementById("command").textContent)
       .then(() => { copy.textContent = "copied"; });
-  }); else copy.remove();
+  }); else copy?.remove();
 })();
 )js";
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/html_plots.hpp"
 
-#include "edvo/report/html_events.hpp"
+#include "edvo/report/html_figure.hpp"
 #include "edvo/report/markup.hpp"
 #include "edvo/report/plot.hpp"
 
@@ -16,79 +16,15 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-constexpr double kPlotWidth = 580;   // [px]
-constexpr double kPlotHeight = 290;  // [px]
-constexpr double kMapHeight = 430;   // [px]
 constexpr std::size_t kMostRoutePoints = 1500;
 constexpr std::size_t kMostBars = 1000;  // columns of the plot of times
 
-constexpr const char* kTruthColor = "#8c8c8c";
 constexpr const char* kFinalColor = "#0072b2";
 constexpr const char* kOnlineColor = "#e69f00";
 constexpr const char* kKeyframeColor = "#d55e00";
 
-// What all plots over time share.
-struct Timeline {
-  Stamp start;
-  Limits range;                   // [s]
-  std::vector<Limits> lost;       // [s]
-  std::vector<double> keyframes;  // [s]
-  std::vector<PlotEvent> events;
-};
-
 double seconds_since_start(const RunLog& log, const Stamp& stamp) {
   return seconds_between(log.frames.front().stamp, stamp);
-}
-
-Timeline make_timeline(const RunLog& log) {
-  Timeline timeline;
-  if (log.frames.empty()) return timeline;
-  timeline.start = log.frames.front().stamp;
-  timeline.range.high = std::max(1e-3, seconds_since_start(log, log.frames.back().stamp));
-  bool was_lost = false;
-  for (const FrameRecord& frame : log.frames) {
-    const double seconds = seconds_since_start(log, frame.stamp);
-    const bool is_lost = frame.status == FrameStatus::kLost;
-    if (is_lost && !was_lost) timeline.lost.push_back({seconds, seconds});
-    if (was_lost) timeline.lost.back().high = seconds;
-    if (frame.keyframe) timeline.keyframes.push_back(seconds);
-    was_lost = is_lost;
-  }
-  timeline.events = plot_events_of(log);
-  return timeline;
-}
-
-// Two of the coordinates of the first camera (x right, y down, z ahead), one perhaps turned over.
-struct View {
-  const char* title;
-  const char* x_label;
-  const char* y_label;
-  int right, up;   // which coordinate: 0 x, 1 y, 2 z
-  double up_sign;  // y points down: shown upwards it is -y
-};
-constexpr View kTopView{"From above", "x, right [m]", "z, ahead [m]", 0, 2, 1};
-constexpr View kSideView{"From the side", "z, ahead [m]", "-y, up [m]", 2, 1, -1};
-// Of a camera with negative fy: its y points up.
-constexpr View kSideViewOfUpwardY{"From the side", "z, ahead [m]", "y, up [m]", 2, 1, 1};
-
-// The line of a trajectory, interrupted where tracking was lost.
-Series line_of(const Trajectory& trajectory, const View& view, const Timeline& timeline,
-               bool interrupted) {
-  Series series;
-  std::size_t gap = 0;
-  for (const StampedPose& pose : trajectory) {
-    const double seconds = seconds_between(timeline.start, pose.stamp);
-    bool in_gap = false;
-    for (; gap < timeline.lost.size() && timeline.lost[gap].low < seconds; ++gap) in_gap = true;
-    if (in_gap && interrupted) {
-      series.x.push_back(kNaN);
-      series.y.push_back(kNaN);
-    }
-    const Eigen::Vector3d& position = pose.world_from_camera.translation;
-    series.x.push_back(position[view.right]);
-    series.y.push_back(view.up_sign * position[view.up]);
-  }
-  return series;
 }
 
 Series dots_of(const Trajectory& trajectory, const View& view) {
@@ -101,69 +37,21 @@ Series dots_of(const Trajectory& trajectory, const View& view) {
   return series;
 }
 
-struct Figure {
-  std::string title, caption;
-  std::string attributes;  // for the script
-  Plot plot;
-};
-
-std::string to_html(const Figure& figure) {
-  return fmt::format(
-      "<figure class=\"card\" style=\"margin:0\" {}><h2>{}</h2><p class=\"soft\">{}</p>{}"
-      "</figure>\n",
-      figure.attributes, escape_markup(figure.title), escape_markup(figure.caption),
-      to_svg(figure.plot));
-}
-
 Figure map_figure(const View& view, const RunSummary& summary, const RunOutcome& outcome,
                   const Timeline& timeline) {
-  Plot plot{.x_label = view.x_label,
-            .y_label = view.y_label,
-            .equal_axes = true,
-            .width = kPlotWidth,
-            .height = kMapHeight};
+  Figure figure = empty_map(view, "In the frame of the first camera.");
   const auto add = [&](Series series, const char* name, const char* color, double thickness) {
     series.name = name;
     series.color = color;
     series.thickness = thickness;
-    plot.series.push_back(std::move(series));
+    figure.plot.series.push_back(std::move(series));
   };
   if (summary.evaluation)
     add(line_of(summary.evaluation->truth, view, timeline, false), "ground truth", kTruthColor,
         2.2);
   add(line_of(outcome.trajectory, view, timeline, true), "estimate", kFinalColor, 1.6);
   add(dots_of(outcome.keyframes, view), "keyframes", kKeyframeColor, 4);
-  return {.title = view.title,
-          .caption = "In the frame of the first camera.",
-          .attributes = fmt::format("data-kind=\"map\" data-right=\"{}\" data-up=\"{}\" "
-                                    "data-sign=\"{}\"",
-                                    view.right, view.up, view.up_sign),
-          .plot = std::move(plot)};
-}
-
-Plot time_plot(const Timeline& timeline, std::string y_label) {
-  return {.x_label = "time [s]",
-          .y_label = std::move(y_label),
-          .x_limits = timeline.range,
-          .bands = timeline.lost,
-          .events = timeline.events,
-          .width = kPlotWidth,
-          .height = kPlotHeight};
-}
-
-// From zero to a little above what lines are drawn.
-Limits from_zero(const std::vector<Series>& series) {
-  double highest = 0;
-  for (const Series& line : series)
-    for (const double y : line.y)
-      if (std::isfinite(y)) highest = std::max(highest, y);
-  return {0, highest > 0 ? 1.06 * highest : 1.0};
-}
-
-Series series_of(const Curve& curve, const char* name, const char* color, double scale = 1) {
-  Series series{.name = name, .x = curve.seconds, .y = curve.values, .color = color};
-  for (double& y : series.y) y *= scale;
-  return series;
+  return figure;
 }
 
 std::vector<Figure> error_figures(const RunEvaluation& evaluation, const Timeline& timeline) {
@@ -261,9 +149,9 @@ Figure time_figure(const RunLog& log, const Timeline& timeline) {
 
 std::string plots_of(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
   const Timeline timeline = make_timeline(log);
-  const View& side = summary.run.camera.pinhole.fy < 0 ? kSideViewOfUpwardY : kSideView;
-  std::vector<Figure> figures = {map_figure(kTopView, summary, outcome, timeline),
-                                 map_figure(side, summary, outcome, timeline)};
+  std::vector<Figure> figures = {
+      map_figure(kTopView, summary, outcome, timeline),
+      map_figure(side_view(summary.run.camera.pinhole.fy), summary, outcome, timeline)};
   if (summary.evaluation)
     for (Figure& figure : error_figures(*summary.evaluation, timeline))
       figures.push_back(std::move(figure));

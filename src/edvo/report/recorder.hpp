@@ -31,8 +31,8 @@ class Recorder final : public Observer {
   void warning(const std::string& text) override;
 
   // Puts the poses as known at the end in trajectory.tum (those known at the time go to
-  // trajectory_online.tum) and adds keyframes.tum, summary.json and, if wanted, report.html. Each
-  // file appears whole or stays as it was.
+  // trajectory_online.tum) and adds keyframes.tum, summary.json, groundtruth.tum if there
+  // is ground truth and, if wanted, report.html. Each file appears whole or stays as it was.
   void end(const RunOutcome& outcome) override;
 
   // After end().

@@ -11,7 +11,7 @@ namespace edvo {
 inline constexpr const char* kRunFiles[] = {
     "frames.jsonl", "trajectory.tum",     "trajectory_online.tum", "keyframes.tum",
     "links.jsonl",  "localization.jsonl", "map_links.jsonl",       "summary.json",
-    "config.toml",  "report.html",
+    "config.toml",  "report.html",        "groundtruth.tum",
 };
 
 // The name as that of a folder: letters, digits and . _ - + stay, everything else becomes '_'.
