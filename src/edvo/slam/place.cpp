@@ -3,6 +3,7 @@
 
 #include "edvo/slam/verify_link.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -12,12 +13,14 @@ namespace {
 
 cv::Mat_<float> full_depth(const Place& place) {
   cv::Mat_<float> depth(place.gray.size());
-  for (int y = 0; y < depth.rows; ++y)
-    for (int x = 0; x < depth.cols; ++x) {
-      const std::uint16_t steps = place.half_depth(y / 2, x / 2);
-      depth(y, x) = steps > 0 ? kDepthStep * static_cast<float>(steps)
-                              : std::numeric_limits<float>::quiet_NaN();
-    }
+  for (int y = 0; y < depth.rows; y += 2) {
+    const std::uint16_t* const half = place.half_depth[y / 2];
+    float* const row = depth[y];
+    for (int x = 0; x < depth.cols; ++x)
+      row[x] = half[x / 2] > 0 ? kDepthStep * static_cast<float>(half[x / 2])
+                               : std::numeric_limits<float>::quiet_NaN();
+    if (y + 1 < depth.rows) std::copy(row, row + depth.cols, depth[y + 1]);
+  }
   return depth;
 }
 

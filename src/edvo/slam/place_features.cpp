@@ -124,24 +124,35 @@ std::vector<SmoothLevel> smooth_levels(const Frame& frame) {
   return levels;
 }
 
-// The nearest pixel, the border going on outside.
-int pixel_at(const cv::Mat_<std::uint8_t>& gray, float u, float v) {
-  const int x = std::clamp(static_cast<int>(std::floor(u + 0.5F)), 0, gray.cols - 1);
-  const int y = std::clamp(static_cast<int>(std::floor(v + 0.5F)), 0, gray.rows - 1);
-  return gray(y, x);
-}
+// Nearest pixels of an image whose border goes on outside.
+struct AnyPixel {
+  const cv::Mat_<std::uint8_t>& gray;
+
+  [[nodiscard]] int at(int x, int y) const {
+    return gray(std::clamp(y, 0, gray.rows - 1), std::clamp(x, 0, gray.cols - 1));
+  }
+  static int nearest(float u) { return static_cast<int>(std::floor(u + 0.5F)); }
+};
+
+// The same of a patch that lies within the image, where it takes no care.
+struct InnerPixel {
+  const cv::Mat_<std::uint8_t>& gray;
+
+  [[nodiscard]] int at(int x, int y) const { return gray(y, x); }
+  static int nearest(float u) { return static_cast<int>(u + 0.5F); }
+};
 
 // Unit vector from a patch's middle to its centre of brightness.
-cv::Point2f direction(const cv::Mat_<std::uint8_t>& gray, float u, float v, float radius) {
+template <typename Pixels>
+cv::Point2f direction(const Pixels& pixels, float u, float v, float radius) {
   const int r = static_cast<int>(radius);
-  const int x = static_cast<int>(std::floor(u + 0.5F)), y = static_cast<int>(std::floor(v + 0.5F));
+  const int x = Pixels::nearest(u), y = Pixels::nearest(v);
   int along_x = 0, along_y = 0;
   for (int dy = -r; dy <= r; ++dy) {
-    const std::uint8_t* const row = gray[std::clamp(y + dy, 0, gray.rows - 1)];
     const int half = static_cast<int>(std::sqrt(static_cast<float>(r * r - dy * dy)));
     int sum = 0;
     for (int dx = -half; dx <= half; ++dx) {
-      const int value = row[std::clamp(x + dx, 0, gray.cols - 1)];
+      const int value = pixels.at(x + dx, y + dy);
       along_x += dx * value;
       sum += value;
     }
@@ -152,24 +163,33 @@ cv::Point2f direction(const cv::Mat_<std::uint8_t>& gray, float u, float v, floa
   return length > 0 ? cv::Point2f(fx / length, fy / length) : cv::Point2f(1, 0);
 }
 
-Descriptor describe(const std::vector<SmoothLevel>& levels, const Candidate& corner, float radius) {
+template <typename Pixels>
+Descriptor describe_patch(const Pixels& pixels, float u, float v, float radius) {
   static const Pattern kPattern = make_pattern();
-  std::size_t l = 0;
-  while (l + 1 < levels.size() && radius * levels[l].scale > kLevelRadius) ++l;
-  const SmoothLevel& level = levels[l];
-  const float u = static_cast<float>(corner.x) * level.scale;
-  const float v = static_cast<float>(corner.y) * level.scale;
-  const float r = radius * level.scale;
-  const cv::Point2f axis = direction(level.gray, u, v, r);
+  const cv::Point2f axis = direction(pixels, u, v, radius);
   const auto value = [&](const cv::Point2f& p) {
-    return pixel_at(level.gray, u + r * (axis.x * p.x - axis.y * p.y),
-                    v + r * (axis.y * p.x + axis.x * p.y));
+    return pixels.at(Pixels::nearest(u + radius * (axis.x * p.x - axis.y * p.y)),
+                     Pixels::nearest(v + radius * (axis.y * p.x + axis.x * p.y)));
   };
   Descriptor descriptor{};
   for (std::size_t i = 0; i < kPattern.size(); ++i)
     if (value(kPattern[i].first) < value(kPattern[i].second))
       descriptor[i / 64] |= std::uint64_t{1} << (i % 64);
   return descriptor;
+}
+
+Descriptor describe(const std::vector<SmoothLevel>& levels, const Candidate& corner, float radius) {
+  std::size_t l = 0;
+  while (l + 1 < levels.size() && radius * levels[l].scale > kLevelRadius) ++l;
+  const SmoothLevel& level = levels[l];
+  const float u = static_cast<float>(corner.x) * level.scale;
+  const float v = static_cast<float>(corner.y) * level.scale;
+  const float r = radius * level.scale, room = r + 1;
+  const bool inside = u >= room && v >= room &&
+                      u + room < static_cast<float>(level.gray.cols - 1) &&
+                      v + room < static_cast<float>(level.gray.rows - 1);
+  return inside ? describe_patch(InnerPixel{level.gray}, u, v, r)
+                : describe_patch(AnyPixel{level.gray}, u, v, r);
 }
 
 float patch_radius(const Camera& camera, float z) {

@@ -64,13 +64,13 @@ struct FreeSpaceTolerance {
   }
 };
 
-// Whether any depth around a pixel is at most as far as an inverse depth.
-bool is_any_as_near(const Depth& depth, int x, int y, int radius, double inverse_z) {
+// Whether any depth around a pixel is at most z.
+bool is_any_as_near(const Depth& depth, int x, int y, int radius, double z) {
   const int left = std::max(0, x - radius), right = std::min(depth.cols() - 1, x + radius);
   const int top = std::max(0, y - radius), bottom = std::min(depth.rows() - 1, y + radius);
   for (int v = top; v <= bottom; ++v)
     for (int u = left; u <= right; ++u)
-      if (1 / static_cast<double>(depth(v, u)) >= inverse_z) return true;
+      if (const auto there = static_cast<double>(depth(v, u)); there > 0 && there <= z) return true;
   return false;
 }
 
@@ -95,7 +95,8 @@ double seen_through(const Frame& surface, const Frame& viewer, const SE3& viewer
       const double measured = 1 / static_cast<double>(viewer.depth(v, u));
       const double limit = tolerance.at(1 / p.z());
       if (measured > 1 / p.z() + limit || !(measured > 0)) continue;  // hidden, or not measured
-      if (is_any_as_near(viewer.depth, u, v, tolerance.radius, 1 / p.z() - limit))
+      const double least = 1 / p.z() - limit;
+      if (least <= 0 || is_any_as_near(viewer.depth, u, v, tolerance.radius, 1 / least))
         ++same;
       else
         ++through;
