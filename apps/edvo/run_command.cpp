@@ -28,7 +28,7 @@ std::unique_ptr<RgbdSource> open_source(const SequenceChoice& sequence, const Ar
 }
 
 void run(const Arguments& arguments, const Extension& extension) {
-  const Config config = resolve_config(arguments.run.config);
+  const Config config = resolve_config(arguments.run);
   SequenceChoice sequence = arguments.sequence;
   if (!arguments.camera_size.empty())
     sequence.camera_size = parse_size("--camera-size", arguments.camera_size);

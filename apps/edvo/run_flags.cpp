@@ -32,10 +32,19 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       ->capture_default_str();
   command.add_flag("--no-loops", flags.no_loops,
                    "The odometry alone: look for no places that were seen before");
+  command.add_flag("--no-final-pass", flags.no_final_pass,
+                   "Do not refine all keyframes together at the end "
+                   "(window.final_iterations=0)");
   command.add_flag("--json", flags.json, "Print the summary as one JSON object");
   command.add_flag("--no-report", flags.no_report, "Do not write report.html");
   command.add_flag("--quiet", flags.quiet, "No notes and no progress; warnings stay");
   command.add_flag("--profile", flags.profile, "Print where the time went, stage by stage");
+}
+
+Config resolve_config(const RunFlags& flags) {
+  Config config = resolve_config(flags.config);
+  if (flags.no_final_pass) config.window.final_iterations = 0;
+  return config;
 }
 
 std::string method_name(const RunFlags& flags) {

@@ -20,6 +20,7 @@ struct RunFlags {
   bool update_map = false;
   bool force = false;
   bool no_loops = false;
+  bool no_final_pass = false;
   int threads = 2;  // one of them reads ahead if there are two or more
   bool json = false;
   bool no_report = false;
@@ -28,6 +29,9 @@ struct RunFlags {
 };
 
 void add_run_flags(CLI::App& command, RunFlags& flags);
+
+// That of the configuration's flags, with what the others change.
+[[nodiscard]] Config resolve_config(const RunFlags& flags);
 
 // The method's name, also where it was left to the default.
 [[nodiscard]] std::string method_name(const RunFlags& flags);

@@ -53,6 +53,12 @@ TEST_F(RunCommand, TracksEvaluatesAndWritesTheWholeFolder) {
   EXPECT_LT(summary["evaluation"]["final"]["ate_rmse_m"], 0.01);
 }
 
+TEST_F(RunCommand, LeavesTheFinalPassOutIfTold) {
+  write_sliding_sequence(sequence());
+  ASSERT_EQ(run("--no-final-pass --set window.final_iterations=9 2>/dev/null").status, 0);
+  EXPECT_THAT(text_of(out() / "config.toml"), HasSubstr("final_iterations = 0"));
+}
+
 TEST_F(RunCommand, PrintsOneJsonObjectAndSendsTheRestToStderr) {
   write_sliding_sequence(sequence());
   const auto result = run("--json 2>/dev/null");
