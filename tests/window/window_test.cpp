@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <opencv2/imgproc.hpp>
 
 namespace edvo {
@@ -38,6 +40,17 @@ Frame exposed(const Frame& frame, double gain, double bias) {
   changed.levels.front().gray = frame.levels.front().gray.clone();
   changed.levels.front().gray.convertTo(changed.levels.front().gray, -1, gain, bias);
   return changed;
+}
+
+TEST(WindowKeyframe, KeepsDepthToASmallShareOfItsNoise) {
+  const WindowOptions options;
+  const Frame frame = plane_frame(SE3{});
+  const WindowKeyframe key = make_window_keyframe(frame, SE3{}, grid_pixels(frame, 41), options);
+  for (int y = 100; y < 400; y += 20)
+    for (int x = 100; x < 500; x += 20)
+      EXPECT_NEAR(inverse_depth_at(key, static_cast<float>(x), static_cast<float>(y)),
+                  1 / frame.depth(y, x), 0.05 * options.depth_noise);
+  EXPECT_TRUE(std::isnan(inverse_depth_at(key, 0, 0)));  // next to the border
 }
 
 TEST(Window, RecoversDisturbedPosesAndBrightness) {

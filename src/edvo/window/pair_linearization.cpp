@@ -42,7 +42,7 @@ enum Sum { kXX, kXY, kYY, kXA, kYA, kX, kY, kAA, kA, kOne, kXR, kYR, kAR, kR, kC
   const float v = fy * (R[3] * rx + R[4] * ry + R[5] + rho * t[1]) * iz + cy;
   if (!(u >= kMargin && v >= kMargin && u < c.limit_u && v < c.limit_v)) return;
   const int column = static_cast<int>(u), row = static_cast<int>(v);
-  simd::prefetch(target.inverse_depth[(row + 1) / 2] + (column + 1) / 2);
+  simd::prefetch(target.half_depth[(row + 1) / 2] + (column + 1) / 2);
   for (int y = row - 3; y <= row + 4; ++y) simd::prefetch(target.gray[y] + column);
 }
 
@@ -215,8 +215,7 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
         total += static_cast<double>(c.most);
         continue;
       }
-      const float seen = target.inverse_depth(static_cast<int>(0.5F * v[0] + 0.5F),
-                                              static_cast<int>(0.5F * u[0] + 0.5F));
+      const float seen = inverse_depth_at(target, u[0], v[0]);
       if (seen > kOccluded * rho * iz[0]) {
         total += static_cast<double>(c.most);
         continue;

@@ -158,8 +158,7 @@ void append_depth_errors(const PairConstants& c, const PairGeometry& g,
   for (std::size_t i = 0; i < points.size(); i += kEvery) {
     const std::optional<Projection> at = project_point(c, g, points[i]);
     if (!at) continue;
-    const float seen = target.inverse_depth(static_cast<int>(0.5F * at->v + 0.5F),
-                                            static_cast<int>(0.5F * at->u + 0.5F));
+    const float seen = inverse_depth_at(target, at->u, at->v);
     const float bias = c.depth_bias * seen;
     errors.push_back((at->inverse_z - seen) / std::sqrt(c.depth_variance + bias * bias));
   }

@@ -22,15 +22,17 @@ WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_ke
   const cv::Mat_<float> depth = frame.depth.undistorted();
   WindowKeyframe key{.stamp = frame.stamp, .world_from_key = world_from_key};
   key.gray = gray;
-  key.inverse_depth = cv::Mat_<float>((gray.rows + 1) / 2, (gray.cols + 1) / 2,
-                                      std::numeric_limits<float>::quiet_NaN());
+  key.half_depth = cv::Mat_<std::uint16_t>::zeros((gray.rows + 1) / 2, (gray.cols + 1) / 2);
+  constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();
   for (int y = 2; y < gray.rows - 2; y += 2)
     for (int x = 2; x < gray.cols - 2; x += 2) {
       const float z = depth(y, x);
       bool smooth = true;
       for (const auto& [dx, dy] : {std::pair{-2, 0}, {2, 0}, {0, -2}, {0, 2}})
         smooth = smooth && std::abs(depth(y + dy, x + dx) - z) < kJump * z;
-      if (smooth) key.inverse_depth(y / 2, x / 2) = 1.F / z;
+      const float steps = 1.F / (kInverseDepthStep * z) + 0.5F;
+      if (smooth && steps <= kMostSteps)
+        key.half_depth(y / 2, x / 2) = static_cast<std::uint16_t>(steps);
     }
   const float soft2 =
       static_cast<float>(options.gradient_weight_scale * options.gradient_weight_scale);

@@ -8,6 +8,8 @@
 
 #include <array>
 #include <concepts>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace edvo {
@@ -67,11 +69,24 @@ struct WindowKeyframe {
   std::int64_t id = 0;
   Stamp stamp;
   SE3 world_from_key;
-  double gain = 1, bias = 0;      // I = gain * radiance + bias
-  cv::Mat_<std::uint8_t> gray;    // level 0
-  cv::Mat_<float> inverse_depth;  // of every second pixel [1 / m], NaN = none or on a jump
+  double gain = 1, bias = 0;    // I = gain * radiance + bias
+  cv::Mat_<std::uint8_t> gray;  // level 0
+  // Inverse, of every second pixel [kInverseDepthStep]; 0 = none or on a jump.
+  cv::Mat_<std::uint16_t> half_depth;
   std::vector<WindowPoint> points;
 };
+
+// [1 / m] Much less than any sensor's noise; depths from 0.13 m on can be told.
+constexpr float kInverseDepthStep = 1.2e-4F;
+
+// Inverse depth at the nearest of those pixels that have one [1 / m], NaN = none. u, v: within the
+// image [px].
+[[nodiscard]] inline float inverse_depth_at(const WindowKeyframe& key, float u, float v) {
+  const std::uint16_t steps =
+      key.half_depth(static_cast<int>(0.5F * v + 0.5F), static_cast<int>(0.5F * u + 0.5F));
+  return steps > 0 ? kInverseDepthStep * static_cast<float>(steps)
+                   : std::numeric_limits<float>::quiet_NaN();
+}
 
 [[nodiscard]] WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_key,
                                                   const std::vector<SelectedPixel>& pixels,
