@@ -105,10 +105,14 @@ def print_means(rows):
     for kind in kinds_in(rows):
         cells = [kind]
         for group in groups:
-            members = [row for row in rows if (row["half"], row["set"]) == group]
+            members = [row for row in rows
+                       if (row["half"], row["set"]) == group and kind in row["edges"]]
+            if not members:
+                cells.append("-")
+                continue
             means = [geometric_mean([ratio(row, kind, e) for row in members])
                      for e in ("ate", "rpe")]
-            lost = sum(row["edges"][kind]["lost"] for row in members if kind in row["edges"])
+            lost = sum(row["edges"][kind]["lost"] for row in members)
             cells.append(", ".join(f"{m:.3f} +- {s:.3f}" for m, s in means) + f"; {lost}")
         print("| " + " | ".join(cells) + " |")
 
