@@ -3,6 +3,7 @@
 
 #include "edvo/report/html_assets.hpp"
 #include "edvo/report/html_figure.hpp"
+#include "edvo/report/html_space.hpp"
 #include "edvo/report/markup.hpp"
 
 #include <fmt/core.h>
@@ -101,7 +102,8 @@ std::string table_row(const Shown& shown) {
 
 std::string table_section(const std::vector<Shown>& shown) {
   std::string html =
-      "<section class=\"card\"><h2>Summary</h2><div class=\"scroll\"><table><thead><tr><th>run</th>"
+      "<section class=\"card\"><h2>Summary</h2><div class=\"scroll "
+      "compact\"><table><thead><tr><th>run</th>"
       "<th>sequence</th><th>method</th>";
   for (const char* heading :
        {"ATE [cm]", "RPE [cm/s]", "RPE [°/s]", "drift [%]", "tracked", "lost, in events",
@@ -148,12 +150,14 @@ Trajectory moved(const SE3& common_from_world, Trajectory trajectory) {
   return trajectory;
 }
 
+std::string frame_caption(const std::vector<Shown>& shown) {
+  if (std::ranges::all_of(shown, &Shown::is_in_common))
+    return "In the frame of the first run's first camera, by the ground truth.";
+  return "Runs without common ground truth: each in the frame of its own first camera.";
+}
+
 Figure map_of(const View& view, const std::vector<Shown>& shown) {
-  const bool all_in_common = std::ranges::all_of(shown, &Shown::is_in_common);
-  Figure figure = empty_map(
-      view, all_in_common ? "In the frame of the first run's first camera, by the ground truth."
-                          : "Runs without common ground truth: each in the frame of its own first "
-                            "camera.");
+  Figure figure = empty_map(view, frame_caption(shown));
   const auto add = [&](Series series, const std::string& name, const std::string& color) {
     series.name = name;
     series.color = color;
@@ -167,6 +171,21 @@ Figure map_of(const View& view, const std::vector<Shown>& shown) {
                 true),
         run.name, run.color);
   return figure;
+}
+
+std::string space_of(const std::vector<Shown>& shown) {
+  const Shown& first = shown.front();
+  std::vector<SpaceLine> lines;
+  if (!truth_of(*first.run).empty())
+    lines.push_back(
+        {.name = "ground truth", .color = kTruthColor, .trajectory = truth_of(*first.run)});
+  for (const Shown& run : shown)
+    lines.push_back({.name = run.name,
+                     .color = run.color,
+                     .trajectory = moved(run.common_from_world, run.run->outcome.trajectory),
+                     .interrupted_by = &run.timeline});
+  return space_card(lines, side_view(first.run->summary.run.camera.pinhole.fy).up_sign,
+                    frame_caption(shown));
 }
 
 // value(run): a Series over time, without name and colour. No figure where no run has any value.
@@ -221,7 +240,8 @@ std::vector<Figure> figures_of(const std::vector<Shown>& shown) {
                    &TrajectoryErrors::rpe_rotation_curve, 1);
   add_figure(figures, shown, "Inliers", "share of the points in view", [](const StoredRun& run) {
     return over_frames(run.log, [](const FrameRecord& frame) {
-      return is_tracked(frame.status) ? static_cast<double>(frame.inlier_ratio) : kNaN;
+      const bool is_aligned = is_tracked(frame.status) && frame.status != FrameStatus::kFirst;
+      return is_aligned ? static_cast<double>(frame.inlier_ratio) : kNaN;
     });
   });
   add_figure(figures, shown, "Time per frame", "time [ms]", [](const StoredRun& run) {
@@ -262,15 +282,15 @@ std::string comparison_page(const std::vector<StoredRun>& runs) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>Comparison of {0} runs · edvo</title>\n<style>{1}</style></head>\n<body><main>\n"
       "<header><div><h1>Comparison of {0} runs</h1><p class=\"soft\">RGB-D visual odometry, edvo "
-      "</p></div></header>\n",
-      runs.size(), kReportStyle);
+      "{2}</p></div></header>\n",
+      runs.size(), kReportStyle, escape_markup(this_machine().edvo));
   html += remarks_section(shown) + table_section(shown) + "<div class=\"grid\">\n";
   for (const Figure& figure : figures_of(shown)) html += to_html(figure);
-  html += "</div>\n" + runs_section(shown);
+  html += "</div>\n" + space_of(shown) + runs_section(shown);
   html += fmt::format(
       "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">[]</script>\n"
-      "<script>{}</script></body></html>\n",
-      kReportScript);
+      "<script>{}</script><script>{}</script></body></html>\n",
+      kReportScript, kSpaceScript);
   return html;
 }
 

@@ -334,13 +334,13 @@ std::string to_html(const RunSummary& summary, const RunLog& log, const RunOutco
       escape_markup(summary.run.sequence), kReportStyle);
   html += header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
   html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + "</div>\n" +
-          worst_frames_section(log) + "<div class=\"grid\">\n" + events_card(log) +
-          worst_card(summary, log, outcome.first_stamp) + keyframes_card(log) +
+          space_of(summary, log, outcome) + worst_frames_section(log) + "<div class=\"grid\">\n" +
+          events_card(log) + worst_card(summary, log, outcome.first_stamp) + keyframes_card(log) +
           facts_card(summary) + machine_card(summary) + "</div>\n" + reproduce_section(summary);
   html += fmt::format(
       "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">{}</script>\n"
-      "<script>{}</script></body></html>\n",
-      route_of(log, outcome.trajectory), kReportScript);
+      "<script>{}</script><script>{}</script></body></html>\n",
+      route_of(log, outcome.trajectory), kReportScript, kSpaceScript);
   return html;
 }
 

@@ -69,7 +69,9 @@ td.text { overflow-wrap: anywhere; }
 .pictures img { display: block; width: 100%; max-width: 320px; border-radius: 8px; }
 .pictures figcaption { font-size: 12.5px; line-height: 1.4; margin-top: 5px; }
 :target { outline: 3px solid var(--accent); outline-offset: 4px; }
+#space canvas { display: block; width: 100%; height: 480px; touch-action: none; cursor: grab; }
 a.event { cursor: pointer; }
+.compact th, .compact td { white-space: normal; padding-right: 10px; font-size: 13px; }
 .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 8px; }
 pre { margin: 8px 0 0; padding: 12px 14px; background: var(--page); border: 1px solid var(--line);
   border-radius: 8px; overflow-x: auto; font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; }
@@ -145,6 +147,8 @@ const std::string_view kReportScript = R"js(
   const short = (v) => Math.abs(v) >= 100 ? v.toFixed(0) : Math.abs(v) >= 10 ? v.toFixed(1)
     : Math.abs(v) >= 0.1 ? v.toFixed(3) : v.toFixed(4);
 
+  // For the view in space.
+  const tellPlace = (place) => document.dispatchEvent(new CustomEvent("edvo-frame", { detail: place }));
   const show = (seconds, here, event) => {
     const frame = route.length ? nearest(seconds) : null;
     for (const plot of plots) {
@@ -158,6 +162,7 @@ const std::string_view kReportScript = R"js(
         plot.cursor.setAttribute("d", `M${plot.px(seconds)} ${plot.top}v${plot.height}`);
       }
     }
+    tellPlace(frame && frame.slice(2));
     tip.replaceChildren(`${seconds.toFixed(2)} s` + (frame ? `   frame ${frame[1]}` : ""));
     let below = 0;
     for (const line of here.lines) {
@@ -177,6 +182,7 @@ const std::string_view kReportScript = R"js(
     tip.style.top = `${Math.min(event.clientY + 14, innerHeight - tip.offsetHeight - 8)}px`;
   };
   const hide = () => {
+    tellPlace(null);
     tip.style.display = "none";
     for (const plot of plots) plot.cursor.style.display = "none";
   };

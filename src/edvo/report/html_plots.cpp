@@ -2,6 +2,7 @@
 #include "edvo/report/html_plots.hpp"
 
 #include "edvo/report/html_figure.hpp"
+#include "edvo/report/html_space.hpp"
 #include "edvo/report/markup.hpp"
 #include "edvo/report/plot.hpp"
 
@@ -160,6 +161,24 @@ std::string plots_of(const RunSummary& summary, const RunLog& log, const RunOutc
   std::string html;
   for (const Figure& figure : figures) html += to_html(figure);
   return html;
+}
+
+std::string space_of(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
+  const Timeline timeline = make_timeline(log);
+  std::vector<SpaceLine> lines;
+  if (summary.evaluation)
+    lines.push_back(
+        {.name = "ground truth", .color = kTruthColor, .trajectory = summary.evaluation->truth});
+  lines.push_back({.name = "estimate",
+                   .color = kFinalColor,
+                   .trajectory = outcome.trajectory,
+                   .interrupted_by = &timeline});
+  lines.push_back({.name = "keyframes",
+                   .color = kKeyframeColor,
+                   .trajectory = outcome.keyframes,
+                   .is_dots = true});
+  return space_card(lines, side_view(summary.run.camera.pinhole.fy).up_sign,
+                    "In the frame of the first camera.");
 }
 
 std::string route_of(const RunLog& log, const Trajectory& trajectory) {

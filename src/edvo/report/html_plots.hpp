@@ -18,6 +18,10 @@ inline constexpr std::array<std::string_view, 6> kStageColors = {"#56b4e9", "#00
 [[nodiscard]] std::string plots_of(const RunSummary& summary, const RunLog& log,
                                    const RunOutcome& outcome);
 
+// The same trajectories in space.
+[[nodiscard]] std::string space_of(const RunSummary& summary, const RunLog& log,
+                                   const RunOutcome& outcome);
+
 // Where the camera was when, thinned, for the script of the page: a JSON array of
 // [s since the first frame, frame, x, y, z].
 [[nodiscard]] std::string route_of(const RunLog& log, const Trajectory& trajectory);

@@ -52,13 +52,16 @@ TrajectoryErrors errors_from(const Evaluation& evaluation, const Stamp& start) {
   return errors;
 }
 
-// The ground truth while the run lasted, as seen from the estimate's world.
+// The ground truth while the run lasted, as seen from the estimate's world. With what the first and
+// the last pose are compared with, even if it is a little before or after them.
 Trajectory aligned_truth(const Trajectory& truth, const Trajectory& estimate,
                          const SE3& truth_from_estimate) {
+  const double margin = AssociateOptions{}.max_difference;  // [s]
   const SE3 estimate_from_truth = inverse(truth_from_estimate);
   Trajectory aligned;
   for (const StampedPose& pose : truth)
-    if (pose.stamp >= estimate.front().stamp && pose.stamp <= estimate.back().stamp)
+    if (seconds_between(pose.stamp, estimate.front().stamp) < margin &&
+        seconds_between(estimate.back().stamp, pose.stamp) < margin)
       aligned.push_back({pose.stamp, estimate_from_truth * pose.world_from_camera});
   return aligned;
 }
