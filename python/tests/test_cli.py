@@ -21,7 +21,7 @@ def edvo_command(*arguments: str, **options: object) -> subprocess.CompletedProc
 def test_all_verbs_of_the_program_are_there() -> None:
     text = edvo_command("--help").stdout
     assert text.count("\n  run ") == 1
-    for verb in ("run", "demo", "synth", "eval", "bench", "edges", "models", "config", "doctor", "pull", "view"):
+    for verb in ("run", "demo", "synth", "eval", "report", "bench", "edges", "models", "config", "doctor", "pull", "view"):
         assert f"\n  {verb} " in text, verb
 
 

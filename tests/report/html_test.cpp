@@ -33,8 +33,11 @@ TEST(Report, ShowsWhatMattersOfARun) {
 
 TEST(Report, NeedsNoNetwork) {
   const std::string page = page_of(sample_run(50), sample_description());
-  for (const char* part : {"src=", "@import", "url(", "<link", "fetch("})
+  for (const char* part : {"src=", "@import", "<link", "fetch("})
     EXPECT_THAT(page, Not(HasSubstr(part)));
+  // Within the page.
+  for (std::size_t at = page.find("url("); at != page.npos; at = page.find("url(", at + 1))
+    EXPECT_EQ(page[at + 4], '#');
 }
 
 TEST(Report, ShowsTheWorstFramesWithTheirPicturesInside) {

@@ -143,6 +143,23 @@ TEST(Plot, ShadesSpansAndTicksMarksInsideItsLimits) {
   EXPECT_EQ(count(svg, "v-9"), 2);
 }
 
+TEST(Plot, CutsPilesThatAreHigherThanItsLimits) {
+  const Plot plot{.x_label = "time [s]",
+                  .y_label = "time [ms]",
+                  .series = {{.name = "a", .x = {0, 1, 2}, .y = {1, 100, 1}}},
+                  .stacked = true,
+                  .y_limits = Limits{0, 10}};
+  const std::string svg = to_svg(plot);
+  std::smatch cut;
+  ASSERT_TRUE(std::regex_search(
+      svg, cut,
+      std::regex("data-area=\"(\\S+) (\\S+) (\\S+) (\\S+) [^>]*>[^]*<clipPath id=\"(\\S+)\">"
+                 "<rect x=\"\\1\" y=\"\\2\" width=\"\\3\" height=\"\\4\"/>")));
+  const std::size_t group = svg.find("clip-path=\"url(#" + cut[5].str() + ")\"");
+  ASSERT_NE(group, svg.npos);
+  EXPECT_LT(group, svg.find("class=\"series\""));
+}
+
 TEST(Plot, MarksEventsWhereTheyAreAndJoinsThoseTooCloseToBeToldApart) {
   Plot plot{
       .x_label = "time [s]", .y_label = "y", .series = {{.name = "a", .x = {0, 100}, .y = {0, 1}}}};

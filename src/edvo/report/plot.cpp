@@ -325,7 +325,15 @@ std::string areas_of(const Canvas& canvas, const Plot& plot) {
         path, bottom, to_pixel(canvas, series.x.front(), 0).x, color_of(plot, i),
         escape_markup(series.name));
   }
-  return areas;
+  if (areas.empty()) return areas;
+  // What is higher than the limits of y is cut. Plots of one page share a name only with the same
+  // area.
+  const std::string name =
+      fmt::format("cut-{}-{}-{}-{}", canvas.left, canvas.top, canvas.width, canvas.height);
+  return fmt::format(
+      "<clipPath id=\"{0}\"><rect x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\"/></clipPath>\n"
+      "<g clip-path=\"url(#{0})\">\n{5}</g>\n",
+      name, canvas.left, canvas.top, canvas.width, canvas.height, areas);
 }
 
 // Under the lines: shaded spans; along the lower border: marks.
