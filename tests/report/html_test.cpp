@@ -67,6 +67,19 @@ TEST(Report, MarksEventsInThePlotsOverTime) {
   EXPECT_THAT(page_of(sample_run(50), sample_description()), Not(HasSubstr("<h2>Events</h2>")));
 }
 
+TEST(Report, DrawsRareEventsOverLoopLinks) {
+  test::SampleRun run = sample_run(100);
+  run.log.frames[20].new_keyframe = 1;
+  run.log.frames[80].new_keyframe = 4;
+  run.log.frames[80].status = FrameStatus::kRestarted;
+  run.log.links = {{.from = 4, .to = 1}, {.from = 1, .to = 4}};
+  const std::string page = page_of(run, sample_description());
+  const std::size_t link = page.find("<title>loop link, frame 80");
+  ASSERT_NE(link, page.npos);
+  EXPECT_LT(link, page.find("<title>restarted, frame 80"));
+  EXPECT_THAT(page, HasSubstr("1 restarted · 2 loop links"));
+}
+
 TEST(Report, TakesNoMarkupFromNames) {
   RunDescription description = sample_description();
   for (std::string* text :

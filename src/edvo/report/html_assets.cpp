@@ -72,6 +72,7 @@ td.text { overflow-wrap: anywhere; }
 #space canvas { display: block; width: 100%; height: 480px; touch-action: none; cursor: grab; }
 a.event { cursor: pointer; }
 .compact th, .compact td { white-space: normal; padding-right: 10px; font-size: 13px; }
+.compact th[scope] { white-space: nowrap; }
 .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 8px; }
 pre { margin: 8px 0 0; padding: 12px 14px; background: var(--page); border: 1px solid var(--line);
   border-radius: 8px; overflow-x: auto; font: 13px/1.5 ui-monospace, "DejaVu Sans Mono", monospace; }

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 #include <string_view>
 
@@ -29,6 +30,10 @@ std::string_view color_of(EventKind kind) {
       break;
   }
   return "#e69f00";
+}
+
+bool is_countable(EventKind kind) {
+  return kind == EventKind::kLink || kind == EventKind::kWarning;
 }
 
 std::string swatch(EventKind kind) {
@@ -76,7 +81,8 @@ std::string events_card(const RunLog& log) {
   }
   std::string legend;
   for (const auto& [kind, count] : counts)
-    legend += fmt::format("{}{} {}", legend.empty() ? "" : " · ", count, name_of(kind));
+    legend += fmt::format("{}{} {}{}", legend.empty() ? "" : " · ", count, name_of(kind),
+                          count > 1 && is_countable(kind) ? "s" : "");
   if (events.size() > kMostRows) legend += fmt::format(" · the first {} are shown", kMostRows);
   return "<section class=\"card\"><h2>Events</h2><p class=\"soft\">" + legend +
          "</p><div class=\"scroll\"><table><thead><tr><th class=\"number\">time [s]</th>"
@@ -96,6 +102,9 @@ std::vector<PlotEvent> plot_events_of(const RunLog& log) {
          .label = {},
          .link = i < kMostRows ? fmt::format("#event-{}", i + 1) : std::string()});
   }
+  // Links are many, and must not hide what is rare.
+  std::ranges::stable_partition(
+      marks, [](const PlotEvent& mark) { return mark.color == color_of(EventKind::kLink); });
   for (std::size_t i = 0; i < log.worst.size(); ++i)
     marks.push_back({.x = log.worst[i].seconds,
                      .text = fmt::format("frame {}: {}", log.worst[i].frame, log.worst[i].reason),
