@@ -144,7 +144,7 @@ struct Log {
   for (int i = 0; i < 4; ++i)
     halves[i] = Shuffled<0, 1, 2, 3, 8, 9, 10, 11>(in[i], in[i + 4]).value +
                 Shuffled<4, 5, 6, 7, 12, 13, 14, 15>(in[i], in[i + 4]).value;
-  for (int i = 0; i < 2; ++i)
+  for (std::size_t i = 0; i < 2; ++i)
     quarters[i] = Shuffled<0, 1, 8, 9, 4, 5, 12, 13>(halves[2 * i], halves[2 * i + 1]).value +
                   Shuffled<2, 3, 10, 11, 6, 7, 14, 15>(halves[2 * i], halves[2 * i + 1]).value;
   out = Shuffled<0, 2, 8, 10, 4, 6, 12, 14>(quarters[0], quarters[1]).value +
