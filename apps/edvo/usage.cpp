@@ -58,7 +58,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
                        did_you_mean(option, options_of(*verb)), name);
   }
   for (const CLI::Option* option : verb->get_options())
-    if (option->results().size() > static_cast<std::size_t>(option->get_items_expected_max()))
+    if (option->count() > 1 && option->get_items_expected_max() == 1)
       return fmt::format("{} is given {} times ({}); it takes one value", option->get_name(),
                          option->count(), fmt::join(option->results(), ", "));
   return fmt::format("{}; see edvo {} --help", error.what(), name);
