@@ -78,6 +78,8 @@ def test_topics_of_what_is_no_bag_are_refused(sequence: Path) -> None:
 def test_ctrl_c_ends_a_run_and_keeps_what_was_done(sequence: Path, tmp_path: Path) -> None:
     code = (
         "import os, signal, sys, edvo\n"
+        # A shell starts what runs in its background with SIGINT ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "class Stop(edvo.Observer):\n"
         "    def frame(self, result, image):\n"
         "        if result.stamp_ns > 0: os.kill(os.getpid(), signal.SIGINT)\n"
