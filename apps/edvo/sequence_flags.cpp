@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sequence_flags.hpp"
 
+#include "edvo/core/find_named.hpp"
 #include "edvo/io/camera_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "size_option.hpp"
@@ -28,9 +29,9 @@ struct OptionAdder {
       for (const auto& [value, spelled] : EnumNames<Field>::names)
         choices += (choices.empty() ? "" : "|") + std::string(spelled);
       const auto choose = [&field, option, choices](const std::string& text) {
-        for (const auto& [value, spelled] : EnumNames<Field>::names)
-          if (spelled == text) return static_cast<void>(field = value);
-        throw CLI::ValidationError(option, text + ": expected one of " + choices);
+        const auto value = find_named<Field>(text);
+        if (!value) throw CLI::ValidationError(option, text + ": expected one of " + choices);
+        field = *value;
       };
       verb.add_option_function<std::string>(option, choose, help)
           ->type_name(choices)

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "edvo/io/file.hpp"
 #include "support/program.hpp"
 #include "support/sliding_sequence.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <gmock/gmock.h>
-
-#include <fstream>
 
 namespace edvo {
 namespace {
@@ -13,11 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 using test::run_edvo;
 using ::testing::HasSubstr;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 class ReportCommand : public testing::Test {
  protected:
@@ -39,18 +33,18 @@ TEST_F(ReportCommand, ComparesRunsOnOnePage) {
       run_edvo("report " + path("one") + " " + path("two") + " -o " + path("page.html") + " 2>&1");
   ASSERT_EQ(result.status, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr(path("page.html")));
-  const std::string page = text_of(path("page.html"));
+  const std::string page = read_file(path("page.html"));
   for (const char* part : {"Comparison of 2 runs", "ATE [cm]", "Absolute error over time"})
     EXPECT_THAT(page, HasSubstr(part));
 }
 
 TEST_F(ReportCommand, MakesTheReportOfOneRunAnew) {
   const std::string report = path("one/report.html");
-  ASSERT_THAT(text_of(report), HasSubstr("data:image/jpeg"));
+  ASSERT_THAT(read_file(report), HasSubstr("data:image/jpeg"));
   // Not removed: the pictures are in it and nowhere else.
   std::ofstream(report, std::ios::app) << "changed";
   ASSERT_EQ(run_edvo("report " + path("one") + " 2>&1").status, 0);
-  const std::string page = text_of(report);
+  const std::string page = read_file(report);
   EXPECT_EQ(page.find("changed"), page.npos);
   EXPECT_THAT(page, HasSubstr("data:image/jpeg"));
   EXPECT_THAT(page, HasSubstr("Absolute error over time"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/stored_run.hpp"
 
+#include "edvo/io/file.hpp"
 #include "edvo/report/html.hpp"
 #include "edvo/report/recorder.hpp"
 #include "report/sample_run.hpp"
@@ -22,11 +23,6 @@ using test::sample_run;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 class StoredRunTest : public testing::Test {
  protected:
@@ -59,7 +55,7 @@ class StoredRunTest : public testing::Test {
 
 TEST_F(StoredRunTest, SaysAllThatTheSummarySaid) {
   record(420);  // some frames are lost
-  EXPECT_EQ(to_json(read_run(run_).summary), text_of(run_ / "summary.json"));
+  EXPECT_EQ(to_json(read_run(run_).summary), read_file(run_ / "summary.json"));
 }
 
 TEST_F(StoredRunTest, HasTheFramesLinksAndPosesThatWereWritten) {

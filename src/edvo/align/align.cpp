@@ -26,7 +26,8 @@ constexpr float kLeastDepthNoise = 0.03F;  // of the depth noise expected
 constexpr std::size_t kBands = 16;
 constexpr double kSharedByBands = 15.0;
 constexpr double kLeastScatter = 0.5;  // noise does not tell of smooth errors of depth
-// Of a residual that is independent, by how many there are. Times what the prior's sigma says: 4
+// Weight of the position prior. The sums take residuals as independent, of which about ten tell as
+// much as one: the prior is multiplied by ten as well, and doubled. Four times instead of twice
 // turns the camera where it moves aside, if only the middle of the image has depth
 // (docs/experiments/0010-few-points.md).
 constexpr double kPriorWeight = 20.0;

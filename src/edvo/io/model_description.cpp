@@ -165,9 +165,7 @@ std::string quoted(const std::string& text) {
 
 template <typename Enum>
 std::string quoted(Enum value) {
-  for (const auto& [candidate, name] : EnumNames<Enum>::names)
-    if (candidate == value) return fmt::format("\"{}\"", name);
-  return {};
+  return fmt::format("\"{}\"", name_of(value));
 }
 
 bool is_hash(std::string_view text) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/did_you_mean.hpp"
+#include "edvo/core/find_named.hpp"
 #include "edvo/core/nesting.hpp"
 #include "edvo/core/toml.hpp"
 #include "edvo/odometry/config.hpp"
@@ -124,12 +125,9 @@ void read_field(T& field, const Range& range, const toml::node& node, const std:
   if constexpr (std::is_enum_v<T>) {
     const auto text = value_as<std::string>(node);
     if (!text) wrong_type();
-    for (const auto& [value, name] : EnumNames<T>::names) {
-      if (name != *text) continue;
-      field = value;
-      return;
-    }
-    refuse(place, quoted(*text), "unknown value, allowed: " + allowed(field, range));
+    const auto value = find_named<T>(*text);
+    if (!value) refuse(place, quoted(*text), "unknown value, allowed: " + allowed(field, range));
+    field = *value;
   } else if constexpr (std::is_same_v<T, int>) {
     const auto integer = value_as<std::int64_t>(node);
     if (!integer) wrong_type();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/comparison.hpp"
 
-#include "edvo/report/html_assets.hpp"
 #include "edvo/report/html_figure.hpp"
+#include "edvo/report/html_page.hpp"
 #include "edvo/report/html_space.hpp"
 #include "edvo/report/markup.hpp"
 
@@ -277,21 +277,15 @@ std::vector<std::string> short_names(const std::vector<StoredRun>& runs) {
 
 std::string comparison_page(const std::vector<StoredRun>& runs) {
   const std::vector<Shown> shown = show_all(runs);
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>Comparison of {0} runs · edvo</title>\n<style>{1}</style></head>\n<body><main>\n"
-      "<header><div><h1>Comparison of {0} runs</h1><p class=\"soft\">RGB-D visual odometry, edvo "
-      "{2}</p></div></header>\n",
-      runs.size(), kReportStyle, escape_markup(this_machine().edvo));
-  html += remarks_section(shown) + table_section(shown) + "<div class=\"grid\">\n";
-  for (const Figure& figure : figures_of(shown)) html += to_html(figure);
-  html += "</div>\n" + space_of(shown) + runs_section(shown);
-  html += fmt::format(
-      "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">[]</script>\n"
-      "<script>{}</script><script>{}</script></body></html>\n",
-      kReportScript, kSpaceScript);
-  return html;
+  const std::string title = fmt::format("Comparison of {} runs", runs.size());
+  std::string body = fmt::format(
+      "<header><div><h1>{}</h1><p class=\"soft\">RGB-D visual odometry, edvo "
+      "{}</p></div></header>\n",
+      title, escape_markup(this_machine().edvo));
+  body += remarks_section(shown) + table_section(shown) + "<div class=\"grid\">\n";
+  for (const Figure& figure : figures_of(shown)) body += to_html(figure);
+  body += "</div>\n" + space_of(shown) + runs_section(shown);
+  return html_page(title, body, "[]");
 }
 
 }  // namespace edvo

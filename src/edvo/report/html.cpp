@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/report/html.hpp"
 
-#include "edvo/report/html_assets.hpp"
 #include "edvo/report/html_events.hpp"
+#include "edvo/report/html_page.hpp"
 #include "edvo/report/html_plots.hpp"
 #include "edvo/report/markup.hpp"
 
@@ -327,21 +327,12 @@ std::string reproduce_section(const RunSummary& summary) {
 }  // namespace
 
 std::string to_html(const RunSummary& summary, const RunLog& log, const RunOutcome& outcome) {
-  std::string html = fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{} · edvo</title>\n<style>{}</style></head>\n<body><main>\n",
-      escape_markup(summary.run.sequence), kReportStyle);
-  html += header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
-  html += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + "</div>\n" +
+  std::string body = header_of(summary) + warnings_section(summary) + tiles_section(summary, log);
+  body += "<div class=\"grid\">\n" + plots_of(summary, log, outcome) + "</div>\n" +
           space_of(summary, log, outcome) + worst_frames_section(log) + "<div class=\"grid\">\n" +
           events_card(log) + worst_card(summary, log, outcome.first_stamp) + keyframes_card(log) +
           facts_card(summary) + machine_card(summary) + "</div>\n" + reproduce_section(summary);
-  html += fmt::format(
-      "</main><div id=\"tip\"></div>\n<script type=\"application/json\" id=\"route\">{}</script>\n"
-      "<script>{}</script><script>{}</script></body></html>\n",
-      route_of(log, outcome.trajectory), kReportScript, kSpaceScript);
-  return html;
+  return html_page(summary.run.sequence, body, route_of(log, outcome.trajectory));
 }
 
 }  // namespace edvo

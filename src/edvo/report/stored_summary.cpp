@@ -2,6 +2,7 @@
 #include "edvo/report/stored_summary.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/find_named.hpp"
 
 #include <fmt/core.h>
 
@@ -37,8 +38,7 @@ std::optional<T> maybe(const Json& object, const char* key) {
 
 template <typename Enum>
 Enum named(const std::string& wanted) {
-  for (const auto& [value, name] : EnumNames<Enum>::names)
-    if (name == wanted) return value;
+  if (const auto value = find_named<Enum>(wanted)) return *value;
   throw Error(ErrorCode::kInput, fmt::format("'{}' is none of the known values", wanted));
 }
 
