@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -77,36 +78,39 @@ class LevelProblem {
   }
 
   [[nodiscard]] System linearize(const Alignment& alignment) const {
-    const PhotometricSums sums = photometric(alignment, all_of(residuals(alignment)));
-    System system;
-    system.hessian = sums.hessian;
-    system.gradient = sums.gradient;
-    system.cost = sums.cost;
-    add_all_others(alignment, system);
-    system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
-    return system;
+    return assemble(alignment, photometric(alignment, all_of(residuals(alignment))),
+                    depth(alignment.cur_from_ref, all_of(surface_.x)));
   }
 
   // The inverse covariance of the pose alone: gain and bias are estimated too, so it is the Schur
   // complement, divided by how much more bands of the image scatter than independent residuals.
   [[nodiscard]] Matrix6d information(const Alignment& alignment) const {
-    const System system = linearize(alignment);
+    const std::size_t points = residuals(alignment).size();
+    PhotometricSums images;
+    PoseSums depths;
+    std::array<Vector8d, kBands> image_gradients;
+    std::array<Vector6d, kBands> depth_gradients;
+    for (std::size_t band = 0; band < kBands; ++band) {
+      const PhotometricSums image = photometric(alignment, part_of(points, band, kBands));
+      const PoseSums surface =
+          depth(alignment.cur_from_ref, part_of(surface_.x.size(), band, kBands));
+      image_gradients[band] = image.gradient;
+      depth_gradients[band] = surface.gradient;
+      images += image;
+      depths += surface;
+    }
+    const System system = assemble(alignment, images, depths);
     const Eigen::Matrix<double, 6, 2> cross = system.hessian.topRightCorner<6, 2>();
     const Eigen::Matrix<double, 6, 2> slope =
         cross * system.hessian.bottomRightCorner<2, 2>().inverse();
     const Matrix6d schur = system.hessian.topLeftCorner<6, 6>() - slope * cross.transpose();
     const Eigen::LDLT<Matrix6d> decomposition(schur);
     double squares = 0;
-    const auto add_score = [&](const Vector6d& gradient) {
-      squares += gradient.dot(decomposition.solve(gradient));
-    };
-    for (std::size_t band = 0; band < kBands; ++band) {
-      const Vector8d gradient =
-          photometric(alignment, part_of(scratch_.residuals.size(), band, kBands)).gradient;
-      add_score(gradient.head<6>() - slope * gradient.tail<2>());
-      if (options_.depth_weight > 0)
-        add_score(depth(alignment.cur_from_ref, part_of(surface_.x.size(), band, kBands)).gradient);
-    }
+    for (std::size_t band = 0; band < kBands; ++band)
+      for (const Vector6d& gradient :
+           {Vector6d(image_gradients[band].head<6>() - slope * image_gradients[band].tail<2>()),
+            depth_gradients[band]})
+        squares += gradient.dot(decomposition.solve(gradient));
     return schur / (kSharedByBands * std::max(kLeastScatter, squares / 6));
   }
 
@@ -114,7 +118,7 @@ class LevelProblem {
     System system;
     system.cost = photometric_cost(reference_, residuals(alignment), sigma_, options_.loss,
                                    static_cast<float>(options_.loss_parameter));
-    add_all_others(alignment, system);
+    add_all_others(alignment, depth(alignment.cur_from_ref, all_of(surface_.x)), system);
     return system.cost;
   }
 
@@ -135,7 +139,9 @@ class LevelProblem {
                            options_.loss, static_cast<float>(options_.loss_parameter));
   }
 
+  // Nothing if depth has no weight.
   [[nodiscard]] PoseSums depth(const SE3& cur_from_ref, PointRange range) const {
+    if (options_.depth_weight <= 0) return {};
     return sum_surface(surface_, associations(cur_from_ref), range, cur_from_ref, depth_noise_,
                        static_cast<float>(options_.depth_weight));
   }
@@ -146,18 +152,25 @@ class LevelProblem {
     return scratch_.associations;
   }
 
+  [[nodiscard]] System assemble(const Alignment& alignment, const PhotometricSums& images,
+                                const PoseSums& depths) const {
+    System system;
+    system.hessian = images.hessian;
+    system.gradient = images.gradient;
+    system.cost = images.cost;
+    add_all_others(alignment, depths, system);
+    system.hessian = system.hessian.selfadjointView<Eigen::Upper>();
+    return system;
+  }
+
   // What is not photometric. Of the Hessian the upper triangle.
-  void add_all_others(const Alignment& alignment, System& system) const {
-    if (options_.depth_weight > 0) add(depth(alignment.cur_from_ref, all_of(surface_.x)), system);
+  void add_all_others(const Alignment& alignment, const PoseSums& depths, System& system) const {
+    system.hessian.topLeftCorner<6, 6>() += depths.hessian;
+    system.gradient.head<6>() += depths.gradient;
+    system.cost += depths.cost;
     brightness_prior(alignment.gain, alignment.bias, options_.brightness ? 1 : kRigid)
         .add_to(system, 6);
     if (prior_.sigma > 0) add_position_prior(alignment.cur_from_ref, system);
-  }
-
-  static void add(const PoseSums& sums, System& system) {
-    system.hessian.topLeftCorner<6, 6>() += sums.hessian;
-    system.gradient.head<6>() += sums.gradient;
-    system.cost += sums.cost;
   }
 
   // The centre is c = -R' t; a step moves it by d c = -rho + c x phi.

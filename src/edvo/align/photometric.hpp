@@ -29,6 +29,13 @@ struct PhotometricSums {
   Eigen::Matrix<double, 8, 8> hessian = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> gradient = Eigen::Matrix<double, 8, 1>::Zero();
   double cost = 0;
+
+  PhotometricSums& operator+=(const PhotometricSums& other) {
+    hessian += other.hessian;
+    gradient += other.gradient;
+    cost += other.cost;
+    return *this;
+  }
 };
 
 // Residuals I_current(pi(T p)) - gain I_reference - bias of every point [grey levels]; NaN where

@@ -10,6 +10,13 @@ struct PoseSums {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double cost = 0;
+
+  PoseSums& operator+=(const PoseSums& other) {
+    hessian += other.hessian;
+    gradient += other.gradient;
+    cost += other.cost;
+    return *this;
+  }
 };
 
 }  // namespace edvo
