@@ -141,6 +141,7 @@ SE3 pose_at(const Path& path, double seconds) {
     case PathName::kPureRotation:
       return pure_rotation(path, seconds);
     case PathName::kStill:
+    case PathName::kRounds:
       return look_at(path.stage.eye, path.stage.target);
     case PathName::kXyz:
       return xyz(path, seconds);

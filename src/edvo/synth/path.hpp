@@ -15,7 +15,8 @@ enum class PathName {
   kOrbit,         // to and fro on an arc around the target
   kPureRotation,  // turning on the spot at 60 degrees per second
   kStill,
-  kXyz,  // along each axis in turn, hardly turning
+  kXyz,     // along each axis in turn, hardly turning
+  kRounds,  // walking through rooms and back to the start (make_rounds)
 };
 
 // A motion of the camera; pose_at is exact and has no state.
@@ -24,11 +25,18 @@ struct Path {
   Stage stage;
   std::uint64_t seed = 0;
   double pace = 1;      // of the demo: how fast its time runs
-  Trajectory recorded;  // if not empty, this is the motion and the rest is unused
+  Trajectory recorded;  // if not empty, this is the motion and the rest is unused; of kRounds
 };
 
 // The demo's pace is set so that its first ten seconds are 5.5 m long, whatever the stage.
 [[nodiscard]] Path make_path(PathName name, const Stage& stage, std::uint64_t seed);
+
+// A walk of a length [m] through the rooms of a scene, with a camera at 1.3 m that looks ahead, at
+// 0.9 m/s and slower where it turns: from home, through rooms at random, each in either direction,
+// or where the length leaves no room for one to and fro in the corridor, and home again, so that
+// it ends where it began. To be Path::recorded. Throws Error(kConfig) if the scene has no way to
+// walk.
+[[nodiscard]] Trajectory make_rounds(const Scene& scene, double length, std::uint64_t seed);
 
 // seconds counts from the start of the path; a recorded one holds its ends.
 [[nodiscard]] SE3 pose_at(const Path& path, double seconds);
@@ -54,5 +62,6 @@ struct edvo::EnumNames<edvo::synth::PathName> {
       {PathName::kPureRotation, "pure_rotation"},
       {PathName::kStill, "still"},
       {PathName::kXyz, "xyz"},
+      {PathName::kRounds, "rounds"},
   });
 };

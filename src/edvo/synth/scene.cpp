@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/synth/scene.hpp"
 
+#include "edvo/synth/flat.hpp"
 #include "edvo/synth/furniture.hpp"
 
 #include <algorithm>
@@ -206,6 +207,18 @@ Scene make_scene(SceneName name, std::uint64_t seed) {
       break;
     case SceneName::kBoxes:
       furnish_boxes(builder);
+      break;
+    case SceneName::kFlat:
+      furnish_flat(builder, Likeness::kNone);
+      break;
+    case SceneName::kPosters:
+      furnish_flat(builder, Likeness::kPoster);
+      break;
+    case SceneName::kTwins:
+      furnish_flat(builder, Likeness::kSame);
+      break;
+    case SceneName::kDeskRows:
+      furnish_desk_rows(builder);
       break;
   }
   return std::move(builder.scene);

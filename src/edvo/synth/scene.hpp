@@ -20,6 +20,10 @@ enum class SceneName {
   kCorridor,    // long and narrow, doors on both sides
   kWall,        // white walls without any texture: nothing to track
   kBoxes,       // boxes, balls and columns at random
+  kFlat,        // six rooms on both sides of a corridor
+  kPosters,     // the same, but the rooms differ in one poster each
+  kTwins,       // the same, but the rooms are equal
+  kDeskRows,    // equal desks 2 m apart on both sides of an aisle
 };
 
 struct Material {
@@ -46,6 +50,15 @@ struct Stage {
   Eigen::Vector3d reach = Eigen::Vector3d::Zero();   // free space around the eye, +- [m]
 };
 
+// Way-points on the floor for walks that come back to where they were [m].
+struct WalkPlan {
+  // Along the corridor, in this order; equal where a scene is not made for walks.
+  Eigen::Vector3d south = Eigen::Vector3d::Zero(), home = Eigen::Vector3d::Zero(),
+                  north = Eigen::Vector3d::Zero();
+  // From the corridor through a room and back, each to be walked in either direction.
+  std::vector<std::vector<Eigen::Vector3d>> rounds;
+};
+
 struct Scene {
   std::vector<Texture> textures;
   std::vector<Material> materials;
@@ -54,6 +67,7 @@ struct Scene {
   float lamp_swing = 0;                             // how far it swings to each side along x [m]
   bool shadows = false;                             // solids keep its light from each other
   Stage stage;
+  WalkPlan walk;
 };
 
 // The same name and seed give the same scene.
@@ -84,5 +98,9 @@ struct edvo::EnumNames<edvo::synth::SceneName> {
       {SceneName::kCorridor, "corridor"},
       {SceneName::kWall, "wall"},
       {SceneName::kBoxes, "boxes"},
+      {SceneName::kFlat, "flat"},
+      {SceneName::kPosters, "posters"},
+      {SceneName::kTwins, "twins"},
+      {SceneName::kDeskRows, "desk_rows"},
   });
 };

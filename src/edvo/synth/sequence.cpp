@@ -52,6 +52,13 @@ struct RangeCheck {
   }
 };
 
+// Of rounds: far enough for all frames, where no length is asked for [m].
+double walk_length(const SequenceOptions& options) {
+  constexpr double kFastest = 1;  // [m/s]
+  return options.path_length > 0 ? options.path_length
+                                 : kFastest * time_of(options, options.frames);
+}
+
 // The frames that arrive. The first always does: it defines the start.
 std::vector<int> kept_frames(const SequenceOptions& options) {
   Random random{static_cast<std::uint64_t>(options.seed), 3};
@@ -130,11 +137,15 @@ SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedC
                              .rays = make_rays(camera),
                              .kept = {}};
   sequence.path = make_path(options.path, sequence.scene.stage, seed);
-  if (!recorded.empty()) {
+  if (!recorded.empty())
     sequence.path.recorded = fit_into(sequence.scene, recorded);
-    const double duration = seconds_between(recorded.front().stamp, recorded.back().stamp);
-    const auto last = static_cast<int>(std::min(duration * options.rate, 1e9));
-    sequence.options.frames = std::min(options.frames, last + 1);
+  else if (options.path == PathName::kRounds)
+    sequence.path.recorded = make_rounds(sequence.scene, walk_length(options), seed);
+  if (const Trajectory& motion = sequence.path.recorded; !motion.empty()) {
+    const double duration = seconds_between(motion.front().stamp, motion.back().stamp);
+    const auto frames = static_cast<int>(std::min(duration * options.rate, 1e9)) + 1;
+    const bool is_whole = recorded.empty() && options.path_length > 0;
+    sequence.options.frames = is_whole ? frames : std::min(options.frames, frames);
   }
   sequence.kept = kept_frames(sequence.options);
   if (options.moving_box) add_moving_box(sequence);

@@ -25,6 +25,7 @@ struct SequenceOptions {
   PathName path = PathName::kDemo;
   int seed = 0;
   int frames = 300;          // before drops
+  double path_length = 0;    // [m]
   double rate = 30;          // [Hz]
   double exposure_time = 0;  // [s]
   bool moving_box = false;
@@ -42,6 +43,8 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("path", self.path, Range{}, "motion of the camera");
   visit("seed", self.seed, Range{0, 1e9}, "of textures, motion and noise");
   visit("frames", self.frames, Range{1, 1e6}, "length of the sequence, dropped frames included");
+  visit("path_length", self.path_length, Range{0, 1e4},
+        "of rounds: walk this far, however many frames that takes; 0 = for so many frames [m]");
   visit("rate", self.rate, Range{1, 1000}, "frames per second [Hz]");
   visit("exposure_time", self.exposure_time, Range{0, 0.2}, "blurs motion; 0 = none [s]");
   visit("moving_box", self.moving_box, Range{},
