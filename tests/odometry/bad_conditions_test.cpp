@@ -14,6 +14,7 @@
 namespace edvo {
 namespace {
 
+using synth::MovingThing;
 using synth::PathName;
 using synth::SceneName;
 using synth::SequenceOptions;
@@ -84,12 +85,13 @@ TEST(BadConditions, TenDroppedFramesAreBridged) {
 }
 
 TEST(BadConditions, ABoxThatMovesAcrossAQuarterOfTheImageIsNotFollowed) {
-  expect_all_tracked(follow({.frames = 90, .moving_box = true, .sensor = {}}), 90, 0.025);
+  expect_all_tracked(follow({.frames = 90, .moving = MovingThing::kBox, .sensor = {}}), 90, 0.025);
 }
 
 TEST(BadConditions, NorIsABoxThatIsBlurred) {
   expect_all_tracked(
-      follow({.frames = 70, .exposure_time = 0.015, .moving_box = true, .sensor = {}}), 70, 0.025);
+      follow({.frames = 70, .exposure_time = 0.015, .moving = MovingThing::kBox, .sensor = {}}), 70,
+      0.025);
 }
 
 // Frames called tracked would be wrong by up to 1.4 m in these if the box were followed.
@@ -102,8 +104,12 @@ struct BoxCase {
 };
 
 SequenceOptions box(SceneName scene, PathName path, int seed) {
-  return {
-      .scene = scene, .path = path, .seed = seed, .frames = 70, .moving_box = true, .sensor = {}};
+  return {.scene = scene,
+          .path = path,
+          .seed = seed,
+          .frames = 70,
+          .moving = MovingThing::kBox,
+          .sensor = {}};
 }
 
 SequenceOptions with_exposure_jump(SequenceOptions options) {

@@ -25,7 +25,7 @@ bool same(const RgbdImage& a, const RgbdImage& b) {
 // Everything that makes noise.
 SequenceOptions rough() {
   SequenceOptions options;
-  options.moving_box = true;
+  options.moving = MovingThing::kBox;
   options.exposure_time = 0.02;
   options.sensor.missing_share = 0.1;
   options.sensor.depth_correlation = 1;
@@ -115,20 +115,57 @@ double changed(const SequenceOptions& a, const SequenceOptions& b, int index) {
   return count / static_cast<double>(one.bgr.total());
 }
 
-SequenceOptions exact(bool moving_box) {
-  SequenceOptions options{.frames = 121, .moving_box = moving_box, .sensor = {}};
+SequenceOptions exact(MovingThing moving, double share = 0.25) {
+  SequenceOptions options{.frames = 121, .moving = moving, .moving_share = share, .sensor = {}};
   options.sensor.noise = false;
   return options;
 }
 
-TEST(SyntheticSequence, MovingBoxCrossesAQuarterOfTheImage) {
-  EXPECT_NEAR(changed(exact(true), exact(false), 60), 0.25, 0.05);
-  EXPECT_NEAR(changed(exact(true), exact(false), 0), 0, 0.02);
-  EXPECT_NEAR(changed(exact(true), exact(false), 120), 0, 0.02);
+// Share of the image that is hidden at a frame.
+double hidden(const SequenceOptions& moving, int index) {
+  SequenceOptions alone = moving;
+  alone.moving = MovingThing::kNone;
+  return changed(moving, alone, index);
+}
+
+TEST(SyntheticSequence, MovingBoxCrossesTheImageAndHidesItsShare) {
+  for (const double share : {0.25, 0.5, 0.75, 0.95}) {
+    const SequenceOptions options = exact(MovingThing::kBox, share);
+    EXPECT_NEAR(hidden(options, 60), share, 0.05);
+    EXPECT_NEAR(hidden(options, 0), 0, 0.02);
+    EXPECT_NEAR(hidden(options, 120), 0, 0.02);
+  }
+}
+
+TEST(SyntheticSequence, PersonCrossesTheImageAndHidesItsShare) {
+  for (const double share : {0.15, 0.25, 0.4}) {
+    const SequenceOptions options = exact(MovingThing::kPerson, share);
+    EXPECT_NEAR(hidden(options, 60), share, 0.07);
+    EXPECT_NEAR(hidden(options, 0), 0, 0.02);
+    EXPECT_NEAR(hidden(options, 120), 0, 0.02);
+  }
+}
+
+TEST(SyntheticSequence, TurntableTurnsInPlaceBeforeAStillCamera) {
+  for (const double share : {0.25, 0.5, 0.95}) {
+    SequenceOptions options = exact(MovingThing::kTurntable, share);
+    options.path = PathName::kStill;
+    const SyntheticSequence sequence = make_sequence(options, kSmall);
+    const SE3 start = pose_of(sequence, 0).world_from_camera;
+    for (const int index : {0, 30, 100}) {
+      EXPECT_NEAR(hidden(options, index), share, 0.13) << share << " " << index;
+      EXPECT_THAT(pose_of(sequence, index).world_from_camera, NearPose(start, 1e-12));
+    }
+    // 45 degrees turn a square column's side away.
+    const RgbdImage before = make_frame(sequence, 0), after = make_frame(sequence, 30);
+    cv::Mat_<float> difference;
+    cv::absdiff(before.depth, after.depth, difference);
+    EXPECT_GT(cv::countNonZero(difference > 0.02F), 0.3 * share * 160 * 120);
+  }
 }
 
 TEST(SyntheticSequence, ExposureTimeBlursMotion) {
-  SequenceOptions sharp = exact(false), blurred = exact(false);
+  SequenceOptions sharp = exact(MovingThing::kNone), blurred = sharp;
   blurred.exposure_time = 0.1;
   const auto contrast = [](const SequenceOptions& options) {
     const RgbdImage image = make_frame(make_sequence(options, kSmall), 40);

@@ -40,6 +40,8 @@ struct Solid {
   SE3 world_from_solid;                            // origin in the middle; a cylinder's axis is z
   Eigen::Vector3f half = Eigen::Vector3f::Zero();  // half extents or radii [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // [m/s]; the pose holds at time 0
+  double turn_rate = 0;                                // about the vertical at the pivot [rad/s]
+  Eigen::Vector3d pivot = Eigen::Vector3d::Zero();     // [m]
   std::array<int, 6> materials = {};  // of faces -x +x -y +y -z +z; round ones: of [0]
 };
 
@@ -75,8 +77,15 @@ struct Scene {
 
 // Where a solid is at a time [s].
 [[nodiscard]] inline SE3 pose_at(const Solid& solid, double seconds) {
-  return {.rotation = solid.world_from_solid.rotation,
-          .translation = solid.world_from_solid.translation + seconds * solid.velocity};
+  SE3 pose = solid.world_from_solid;
+  if (solid.turn_rate != 0) {
+    const Eigen::Quaterniond turn(
+        Eigen::AngleAxisd(seconds * solid.turn_rate, Eigen::Vector3d::UnitZ()));
+    pose.rotation = turn * pose.rotation;
+    pose.translation = solid.pivot + turn * (pose.translation - solid.pivot);
+  }
+  pose.translation += seconds * solid.velocity;
+  return pose;
 }
 
 // Where the lamp is at a time [s].

@@ -2,7 +2,7 @@
 #include "edvo/synth/sequence.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/synth/furniture.hpp"
+#include "edvo/synth/random.hpp"
 #include "edvo/synth/rays.hpp"
 
 #include <fmt/format.h>
@@ -70,31 +70,6 @@ std::vector<int> kept_frames(const SequenceOptions& options) {
   return kept;
 }
 
-// Crosses from left to right, square to the camera's view in the middle of the sequence. It hides
-// about a quarter of the image when it passes the centre.
-constexpr double kBoxDistance = 0.9;  // [m]
-constexpr double kBoxSpeed = 0.8;     // [m/s]
-
-void add_moving_box(SyntheticSequence& sequence) {
-  Builder builder{.scene = std::move(sequence.scene),
-                  .random = Random{static_cast<std::uint64_t>(sequence.options.seed), 4},
-                  .painted = {}};
-  const int cover = add_material(builder, Pattern::kPoster, {40, 60, 90}, {150, 200, 235});
-  const Camera& camera = sequence.camera.pinhole;
-  const double area = 0.25 * camera.width * camera.height / (camera.fx * std::abs(camera.fy));
-  const double side = kBoxDistance * std::sqrt(area);  // [m]
-  add_box(builder, {}, Eigen::Vector3d::Constant(side), cover);
-
-  const double middle = 0.5 * time_of(sequence.options, sequence.options.frames - 1);  // [s]
-  const SE3 world_from_camera = pose_at(sequence.path, middle);
-  Solid& box = builder.scene.solids.back();
-  box.world_from_solid = world_from_camera;
-  box.velocity = kBoxSpeed * (world_from_camera.rotation * Eigen::Vector3d::UnitX());
-  box.world_from_solid.translation =
-      world_from_camera * Eigen::Vector3d{0, 0, kBoxDistance + side / 2} - middle * box.velocity;
-  sequence.scene = std::move(builder.scene);
-}
-
 Render render_at(const SyntheticSequence& sequence, double seconds) {
   return render(sequence.scene, seconds, pose_at(sequence.path, seconds), sequence.rays,
                 sequence.threads);
@@ -148,7 +123,12 @@ SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedC
     sequence.options.frames = is_whole ? frames : std::min(options.frames, frames);
   }
   sequence.kept = kept_frames(sequence.options);
-  if (options.moving_box) add_moving_box(sequence);
+  const double middle = 0.5 * time_of(sequence.options, sequence.options.frames - 1);  // [s]
+  add_moving_thing(sequence.scene, options.moving, options.moving_share,
+                   {.camera = camera.pinhole,
+                    .world_from_camera = pose_at(sequence.path, middle),
+                    .seconds = middle},
+                   seed);
   if (options.texture < 1) flatten_patterns(sequence.scene, options.texture);
   sequence.scene.shadows = options.shadows;
   sequence.scene.lamp_swing = static_cast<float>(options.lamp_swing);

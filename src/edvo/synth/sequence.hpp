@@ -6,6 +6,7 @@
 #include "edvo/core/fields.hpp"
 #include "edvo/core/rgbd_image.hpp"
 #include "edvo/core/trajectory.hpp"
+#include "edvo/synth/moving_thing.hpp"
 #include "edvo/synth/path.hpp"
 #include "edvo/synth/scene.hpp"
 #include "edvo/synth/sensor.hpp"
@@ -28,8 +29,9 @@ struct SequenceOptions {
   double path_length = 0;    // [m]
   double rate = 30;          // [Hz]
   double exposure_time = 0;  // [s]
-  bool moving_box = false;
-  double texture = 1;  // [0..1]
+  MovingThing moving = MovingThing::kNone;
+  double moving_share = 0.25;  // [0..1]
+  double texture = 1;          // [0..1]
   bool shadows = false;
   double lamp_swing = 0;     // [m]
   double dropped_share = 0;  // [0..1]
@@ -47,8 +49,10 @@ void visit_fields(Self& self, Visitor&& visit) {
         "of rounds: walk this far, however many frames that takes; 0 = for so many frames [m]");
   visit("rate", self.rate, Range{1, 1000}, "frames per second [Hz]");
   visit("exposure_time", self.exposure_time, Range{0, 0.2}, "blurs motion; 0 = none [s]");
-  visit("moving_box", self.moving_box, Range{},
-        "a box crosses a quarter of the image in the middle of the sequence");
+  visit("moving", self.moving, Range{},
+        "what moves on its own, before the camera in the middle of the sequence");
+  visit("moving_share", self.moving_share, Range{0.05, 1},
+        "share of the image that it hides then; a person: at most about half");
   visit("texture", self.texture, Range{0, 1},
         "contrast of the patterns on surfaces; 0 = plain surfaces");
   visit("shadows", self.shadows, Range{}, "the lamp casts shadows");
