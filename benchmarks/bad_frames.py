@@ -20,6 +20,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from trials import between, is_wrong, matrix
+
 SIZE = (320, 240)
 LENGTH = 50  # frames
 FR1 = ("258.653 258.2346 159.07152 127.4069945 "
@@ -148,16 +150,6 @@ def generate(data, icl, out):
                         frames[24][0], stamps))
 
 
-def matrix(numbers):
-    x, y, z, w = np.array(numbers[3:7]) / np.linalg.norm(numbers[3:7])
-    pose = np.eye(4)
-    pose[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                    [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                    [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    pose[:3, 3] = numbers[:3]
-    return pose
-
-
 def is_planted(kind, index):
     """Whether the frame shows another sequence, so that no pose of it can be right or wrong."""
     return (kind == "foreign1" and index == 20) or (kind == "foreign8" and 12 <= index < 20)
@@ -186,10 +178,8 @@ def evaluate(edvo, folder):
         begin, true_begin = first.setdefault(frame["segment"], (pose, true))
         if frame["status"] == "restarted":
             continue
-        error = np.linalg.inv(np.linalg.inv(true_begin) @ true) @ (np.linalg.inv(begin) @ pose)
-        angle = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1) / 2, -1, 1)))
         tracked += 1
-        wrong += bool(np.linalg.norm(error[:3, 3]) > 0.10 or angle > 5)
+        wrong += is_wrong(between(np.linalg.inv(true_begin) @ true, np.linalg.inv(begin) @ pose))
     return tracked, wrong, lost, len(first)
 
 
