@@ -269,5 +269,21 @@ TEST(Window, AnotherKeyframesViewIsSharedOnlyIfItLooksThere) {
   EXPECT_EQ(shared_view(window[0], window[2], kVgaCamera), 0);
 }
 
+TEST(Window, AKeyframesViewIsNotSharedThroughAWall) {
+  auto window = plane_window({SE3{}, motion(0.2, 0, 0, 0, 0, 0)}, {});
+  window[1].half_depth *= 2;  // a surface halfway
+  EXPECT_EQ(shared_view(window[0], window[1], kVgaCamera), 0);
+}
+
+TEST(Window, AKeyframesViewIsNotSharedFromTheOtherSideOfAWall) {
+  const auto looking_at = [](double x, double z, double yaw) {  // [m], [rad]
+    return motion(x, 0, z, 0, 0, 0) * motion(0, 0, 0, 0, yaw, 0);
+  };
+  const auto window = plane_window(
+      {looking_at(0, 0, 0.85), looking_at(0.5, 0, 0.8), looking_at(-1.3, 3, 1.83)}, {});
+  EXPECT_GT(shared_view(window[0], window[1], kVgaCamera), 0.5);
+  EXPECT_LT(shared_view(window[0], window[2], kVgaCamera), 0.02);
+}
+
 }  // namespace
 }  // namespace edvo

@@ -15,12 +15,11 @@ namespace {
 
 constexpr int kN = kKeyframeUnknowns;
 constexpr double kDamping = 1e-4;
-constexpr double kStale = 0.1;   // [px] that points have moved by for a pair to be linearized anew
-constexpr int kNextInTime = 5;   // keyframes to each side that are always neighbours
-constexpr int kApart = 3;        // keyframes between two other neighbours
-constexpr double kView = 0.3;    // [0..1] of the points that both must see of each other
-constexpr double kTurned = 0.5;  // cosine between directions of view, below: nothing in common
-constexpr int kAtOnce = 32;      // hosts whose systems are in memory
+constexpr double kStale = 0.1;  // [px] that points have moved by for a pair to be linearized anew
+constexpr int kNextInTime = 5;  // keyframes to each side that are always neighbours
+constexpr int kApart = 3;       // keyframes between two other neighbours
+constexpr double kView = 0.3;   // [0..1] of the points that both must see of each other
+constexpr int kAtOnce = 32;     // hosts whose systems are in memory
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -235,8 +234,6 @@ class JointProblem {
 };
 
 double view_in_common(const WindowKeyframe& a, const WindowKeyframe& b, const Camera& camera) {
-  const SE3 a_from_b = inverse(a.world_from_key) * b.world_from_key;
-  if (a_from_b.rotation.toRotationMatrix()(2, 2) < kTurned) return 0;
   const double view = shared_view(a, b, camera);
   return view < kView ? view : std::min(view, shared_view(b, a, camera));
 }

@@ -92,7 +92,8 @@ constexpr float kInverseDepthStep = 1.2e-4F;
                                                   const std::vector<SelectedPixel>& pixels,
                                                   const WindowOptions& options);
 
-// Share of the points of one keyframe that another sees, [0..1].
+// Share of the points of one keyframe that another sees, [0..1]: its image has them, and nothing
+// else there.
 [[nodiscard]] double shared_view(const WindowKeyframe& host, const WindowKeyframe& target,
                                  const Camera& camera);
 
