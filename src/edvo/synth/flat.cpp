@@ -65,7 +65,7 @@ int cover_of_floor(Builder& builder) {
 }
 
 void add_shell(Builder& builder) {
-  const int paint = add_material(builder, Pattern::kPlaster, {165, 180, 185}, {215, 225, 228}, 1.7);
+  const int paint = add_material(builder, Pattern::kPlaster, {145, 160, 165}, {220, 230, 233}, 1.7);
   const int ceiling =
       add_material(builder, Pattern::kPlaster, {215, 218, 220}, {240, 242, 243}, 2.0);
   add_box(builder, {}, {kWidth, kDepth, kSlab}, cover_of_floor(builder));
@@ -81,6 +81,12 @@ void add_shell(Builder& builder) {
   add_box(builder, {.base = {(right + end) / 2, y, 0}}, {end - right, kFront, kHeight}, paint);
   add_box(builder, {.base = {kDoor, y, kDoorHeight}}, {kDoorWidth, kFront, kHeight - kDoorHeight},
           paint);
+  constexpr double kFrame = 0.07;  // [m]
+  const int frame = add_material(builder, Pattern::kWood, {40, 55, 75}, {105, 135, 160}, 0.8);
+  for (const double x : {left + kFrame / 2, right - kFrame / 2})
+    add_box(builder, {.base = {x, y, 0}}, {kFrame, kFront + 0.03, kDoorHeight}, frame);
+  add_box(builder, {.base = {kDoor, y, kDoorHeight - kFrame}}, {kDoorWidth, kFront + 0.03, kFrame},
+          frame);
 }
 
 void add_posters(Builder& builder, const Place& wall, double from, double to) {
@@ -116,19 +122,21 @@ void furnish_side(Builder& builder, const Place& wall) {
   switch (builder.random.below(3)) {
     case 0:
       add_shelf(builder, beside(wall, {0.3, -0.17, 0}), 1.2, 1.6);
-      add_posters(builder, wall, -2.0, -0.5);
+      add_posters(builder, wall, -2.3, -0.5);
+      add_posters(builder, wall, 1.1, 1.6);
       break;
     case 1:
       add_window(builder, beside(wall, {-0.5, -0.01, 0.95}), 1.1, 1.2);
       add_plant(builder, beside(wall, {1.5, -0.35, 0}), 1.2);
-      add_posters(builder, wall, 0.3, 1.2);
+      add_posters(builder, wall, -2.2, -1.3);
+      add_posters(builder, wall, 0.3, 1.6);
       break;
     default: {
       const int wood = add_material(builder, Pattern::kWood, {60, 80, 100}, {150, 185, 210}, 1.2);
       add_box(builder, beside(wall, {0, -0.24, 0}), {1.6, 0.45, 0.6}, wood);
       add_monitor(builder, beside(wall, {-0.3, -0.24, 0.6}));
       add_book(builder, beside(wall, {0.5, -0.24, 0.6}, 0.3));
-      add_posters(builder, wall, -2.0, 1.5);
+      add_posters(builder, wall, -2.3, 1.6);
     }
   }
 }
@@ -139,8 +147,10 @@ void furnish_room(Builder& builder) {
   furnish_back(builder, {.base = {0, kDepth / 2, 0}});
   furnish_side(builder, {.base = {-kWidth / 2, 0, 0}, .yaw = kQuarter});
   furnish_side(builder, {.base = {kWidth / 2, 0, 0}, .yaw = -kQuarter});
-  add_posters(builder, {.base = {0, -kDepth / 2, 0}, .yaw = 2 * kQuarter}, -1.8, -0.2);
-  add_posters(builder, {.base = {0, -kDepth / 2 - kFront, 0}}, -0.4, 1.4);
+  const Place front{.base = {0, -kDepth / 2, 0}, .yaw = 2 * kQuarter};
+  add_posters(builder, front, -2.3, 0.1);
+  add_poster(builder, beside(front, {1.95, -0.01, 1.1}), 0.5, 0.7);
+  add_posters(builder, {.base = {0, -kDepth / 2 - kFront, 0}}, -0.5, 1.6);
   const int board = add_material(builder, Pattern::kWood, {25, 40, 60}, {80, 115, 150}, 0.7);
   const Place table{.base = {0, -0.4, 0}};
   add_table(builder, table, {0.9, 0.6, 0.45}, board);
@@ -176,7 +186,7 @@ WalkPlan walk_along(double half_length) {
 }  // namespace
 
 void furnish_flat(Builder& builder, Likeness likeness) {
-  const int paint = add_material(builder, Pattern::kPlaster, {165, 180, 185}, {215, 225, 228}, 1.7);
+  const int paint = add_material(builder, Pattern::kPlaster, {145, 160, 165}, {220, 230, 233}, 1.7);
   const int tiles = add_material(builder, Pattern::kTiles, {95, 100, 105}, {205, 210, 212}, 1.6);
   const double half_x = kAway + kDepth / 2 + kPartition;
   add_room(builder, {2 * half_x, 2 * kHalfLength, kHeight}, paint, tiles, paint);
