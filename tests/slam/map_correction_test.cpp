@@ -68,6 +68,25 @@ TEST(CloseLoops, TakesDriftOut) {
   EXPECT_THAT(world.map.front().world_from_camera, NearPose(SE3{}, 1e-12));
 }
 
+// The window moved the last keyframe to where it belongs, and those before it stayed.
+TEST(CloseLoops, SharesABendAmongAllSteps) {
+  World world = around(motion(0.006, 0.005, 0.003));
+  EXPECT_FALSE(is_bent(world.map, world.steps));
+  world.map.back().world_from_camera = world.truth.back();
+  EXPECT_TRUE(is_bent(world.map, world.steps));
+  std::vector<LinkReport> links = {link_between(0, 15, between(world.truth, 0, 15)),
+                                   link_between(1, 15, between(world.truth, 1, 15))};
+  for (LinkReport& link : links) link.status = LinkStatus::kKnown;
+  const auto error_of_last_step = [&world] {
+    const SE3 mapped = inverse(world.map[14].world_from_camera) * world.map[15].world_from_camera;
+    return (inverse(between(world.truth, 14, 15)) * mapped).translation.norm();
+  };
+  const double before = error_of_last_step();
+  close_loops(world.map, world.steps, links);
+  EXPECT_LT(error_of_last_step(), 0.5 * before);
+  EXPECT_EQ(links[0].status, LinkStatus::kKnown);
+}
+
 TEST(CloseLoops, SwitchesAWrongLinkOffAndMovesNothing) {
   World world = around(SE3{});
   const std::vector<MapKeyframe> before = world.map;

@@ -12,6 +12,8 @@ namespace {
 constexpr double kAgreeing = 0.1;  // [m], [rad] between what two links tell of two segments
 constexpr int kSupport = 2;        // links that agree, for two segments to be joined
 
+constexpr double kBent = 0.01;  // [m], [rad]
+
 // Sigmas of a step of the odometry beside those that tracking reports.
 constexpr double kStepSigma = 0.001;  // [m], [rad]
 // Of a link beside those that alignment reports: shares of the difference between its two
@@ -116,6 +118,15 @@ void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>&
       link.status = LinkStatus::kAlone;
 }
 
+bool is_bent(const std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps) {
+  return std::any_of(steps.begin(), steps.end(), [&](const OdometryStep& step) {
+    const SE3 error = inverse(step.from_pose_to) *
+                      inverse(at(keyframes, step.from).world_from_camera) *
+                      at(keyframes, step.to).world_from_camera;
+    return error.translation.norm() > kBent || rotation_angle(error) > kBent;
+  });
+}
+
 Matrix6d step_information(const OdometryStep& step) {
   return weaken(step.information, kStepSigma, kStepSigma);
 }
@@ -155,14 +166,16 @@ void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<Odometry
     used.push_back(&link);
   }
   const auto is_new = [](const LinkReport* link) { return link->status == LinkStatus::kAccepted; };
-  if (std::none_of(used.begin(), used.end(), is_new)) return;
+  const bool straighten = !used.empty() && is_bent(keyframes, steps);
+  if (!straighten && std::none_of(used.begin(), used.end(), is_new)) return;
   const GraphSummary summary = select_links(graph);
   for (std::size_t k = 0; k < used.size(); ++k) {
     const GraphLink& link = graph.links[steps.size() + k];
     used[k]->cycle_chi_square = chi_square(graph, link);
     if (!link.enabled) used[k]->status = LinkStatus::kCycle;
   }
-  if (summary.status == GraphStatus::kNotFinite || std::none_of(used.begin(), used.end(), is_new))
+  if (summary.status == GraphStatus::kNotFinite ||
+      (!straighten && std::none_of(used.begin(), used.end(), is_new)))
     return;
   for (std::size_t i = 0; i < keyframes.size(); ++i)
     keyframes[i].world_from_camera = graph.world_from_node[i];

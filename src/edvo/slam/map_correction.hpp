@@ -21,9 +21,14 @@ void join_segments(std::vector<MapKeyframe>& keyframes, std::vector<LinkReport>&
 // From a keyframe to the next one of its segment, as tracked and refined.
 struct OdometryStep {
   KeyframeId from = 0, to = 0;
-  SE3 from_pose_to;                         // as refined while images came
+  SE3 from_pose_to;  // as refined while both were new, before older keyframes pulled one of them
   Matrix6d information = Matrix6d::Zero();  // of xi in from_pose_to * exp(xi), as tracked
 };
+
+// Whether a step's own measurement differs from the map by more than refinement explains: the map
+// was bent there, to fit what was seen before.
+[[nodiscard]] bool is_bent(const std::vector<MapKeyframe>& keyframes,
+                           const std::vector<OdometryStep>& steps);
 
 // With what tracking does not tell added.
 [[nodiscard]] Matrix6d step_information(const OdometryStep& step);
@@ -36,7 +41,8 @@ void weaken_link(LinkReport& link);
 
 // Moves keyframes to where the odometry's steps and accepted links agree best. Links that
 // contradict the others become kCycle. Aligned links that are known hold what is right already; if
-// there are no others, or none of them holds, no pose changes. keyframes: by id.
+// there are no others, or none of them holds, no pose changes, unless the map is bent. keyframes:
+// by id.
 void close_loops(std::vector<MapKeyframe>& keyframes, const std::vector<OdometryStep>& steps,
                  std::vector<LinkReport>& links);
 

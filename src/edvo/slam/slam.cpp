@@ -9,6 +9,7 @@ namespace edvo {
 namespace {
 
 constexpr std::size_t kProbeEvery = 3;  // keyframes
+constexpr KeyframeId kMeasuredAt = 4;   // keyframes later a step is measured
 constexpr int kRounds = 2;              // of comparing what is near after loops were closed
 constexpr double kVerified = 0.05;      // [m], [rad] by which a step may differ from its alignment
 constexpr double kGuessSigma = 0.5;     // [m], [rad] of a step that is not verified
@@ -61,6 +62,7 @@ void Slam::add_place(const FrameResult& result) {
     steps_.push_back(
         {.from = result.keyframe, .to = *result.new_keyframe, .information = result.information});
   }
+  measure_steps(*result.new_keyframe - kMeasuredAt, *result.new_keyframe - kMeasuredAt);
   const KeyframePtr keyframe =
       slam_.keep_colour ? odometry_.newest_keyframe() : odometry_.newest_keyframe_in_gray();
   places_.push_back(make_place(*keyframe, slam_.keep_colour));
@@ -69,10 +71,13 @@ void Slam::add_place(const FrameResult& result) {
     relocalizer_.drop(drop_one(places_, odometry_.map()));
 }
 
-void Slam::measure_steps() {
+// Those that lead to one of these keyframes.
+void Slam::measure_steps(KeyframeId first, KeyframeId last) {
   const Map& map = odometry_.map();
-  for (OdometryStep& step : steps_)
-    step.from_pose_to = inverse(map[step.from].world_from_camera) * map[step.to].world_from_camera;
+  for (auto step = steps_.rbegin(); step != steps_.rend() && step->to >= first; ++step)
+    if (step->to <= last)
+      step->from_pose_to =
+          inverse(map[step->from].world_from_camera) * map[step->to].world_from_camera;
 }
 
 // The camera may have been moved to where things look similar: what cannot be verified tells
@@ -96,7 +101,8 @@ void Slam::doubt_steps_after_loss() {
 }
 
 // A single segment is probed at first: if its map tells all that is seen again, there is no drift
-// to find. Where loops were closed, keyframes that now are near each other are compared as well.
+// to find. Where the map was bent to fit what was seen before, the error belongs to all of the way
+// since then. Where loops were closed, keyframes that now are near each other are compared as well.
 void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
   LinkSearch search(places_, camera_, search_options(config_, slam_, threads));
   const auto is_new = [](const LinkReport& link) { return link.status == LinkStatus::kAccepted; };
@@ -110,12 +116,18 @@ void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
   const bool single = std::all_of(keyframes.begin(), keyframes.end(), [&](const MapKeyframe& key) {
     return key.segment == keyframes.front().segment;
   });
-  if (single) {
+  const bool bent = is_bent(keyframes, steps_);
+  if (single && !bent) {
     links_ = search.by_looks(keyframes, kProbeEvery, slam_.loops.probes);
     if (std::none_of(links_.begin(), links_.end(), is_new)) return;
   }
   links_ = search.by_looks(keyframes, 1, slam_.loops.most_verified);
   links_.insert(links_.end(), relocalizer_.links().begin(), relocalizer_.links().end());
+  if (bent) {
+    const std::vector<LinkReport> near =
+        search.by_pose(keyframes, links_, slam_.loops.most_verified);
+    links_.insert(links_.end(), near.begin(), near.end());
+  }
   correct();
   for (int round = 0; round < kRounds && std::any_of(links_.begin(), links_.end(), is_new);
        ++round) {
@@ -129,7 +141,8 @@ void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
 
 void Slam::finish(int threads) {
   odometry_.settle();
-  measure_steps();
+  const auto newest = static_cast<KeyframeId>(odometry_.map().keyframes().size()) - 1;
+  measure_steps(newest - kMeasuredAt + 1, newest);
   doubt_steps_after_loss();
   std::vector<MapKeyframe> keyframes = odometry_.map().keyframes();
   links_.clear();

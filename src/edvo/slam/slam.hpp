@@ -66,7 +66,7 @@ class Slam {
 
  private:
   void add_place(const FrameResult& result);
-  void measure_steps();
+  void measure_steps(KeyframeId first, KeyframeId last);
   void doubt_steps_after_loss();
   void search_places(std::vector<MapKeyframe>& keyframes, int threads);
 
