@@ -6,13 +6,19 @@
 
 rooms: visits to two rooms of one layout whose posters, covers and furnishings' textures differ. A
 link from one room to the other is wrong, unless the odometry did not notice the change itself.
-corridor, boxes, office: one visit to and fro where doors, tiles or a carpet repeat. A link that is
-more than 10 cm and 10 % of its length off the ground truth is wrong.
+corridor, boxes, office: one visit to and fro where doors, tiles or a carpet repeat.
+twins, posters: a walk of 60 m through rooms of one flat that are equal, or equal but for a poster.
+both_ways: to and fro in that flat's corridor, which looks alike both ways but for its ends.
+desk_rows: to and fro between equal desks 2 m apart.
+A link that is more than 10 cm and 10 % of its length off the ground truth is wrong.
 
-Prints each trial's accepted and wrong links, and the ATE with and without the search for loops in
-trials of one room; the exit status is 1 if a wrong link was accepted. Images are 320 x 240.
+Prints each trial's accepted and wrong links, the ATE with and without the search for loops in
+trials of one recording, and of walks the recall: of the keyframes within 0.5 m and 20 degrees of
+one at least 12 before, the share with a right link. The exit status is 1 if a wrong link was
+accepted. Images are 320 x 240.
 """
 import argparse
+import bisect
 import json
 import math
 import shutil
@@ -20,9 +26,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-SCENES = {"rooms": ("office", "demo"), "corridor": ("corridor", "demo"),
-          "boxes": ("boxes", "orbit"), "office": ("office", "orbit")}
+# Scene, path, and its length [m] where it has one.
+SCENES = {"rooms": ("office", "demo", 0), "corridor": ("corridor", "demo", 0),
+          "boxes": ("boxes", "orbit", 0), "office": ("office", "orbit", 0),
+          "twins": ("twins", "rounds", 60), "posters": ("posters", "rounds", 60),
+          "both_ways": ("twins", "rounds", 30), "desk_rows": ("desk_rows", "rounds", 40)}
 FRAMES, RATE, GAP = 120, 10, 12
+RECENT = 12  # keyframes, with which no loop is looked for
 
 
 def lines_of(path):
@@ -35,10 +45,10 @@ def run(command):
         sys.exit(f"{' '.join(str(word) for word in command)}: {done.stderr}")
 
 
-def render(edvo, folder, scene, path, seed):
+def render(edvo, folder, scene, path, length, seed):
     if not (folder / "groundtruth.txt").exists():
         run([edvo, "synth", "--scene", scene, "--path", path, "--seed", seed, "--frames", FRAMES,
-             "--rate", RATE, "--size", "320x240", "--force", folder])
+             "--path-length", length, "--rate", RATE, "--size", "320x240", "--force", folder])
 
 
 def chain(first, second, folder):
@@ -87,15 +97,48 @@ def accepted_links(folder):
             or (link["status"] == "known" and link["overlap"] > 0)]
 
 
+def true_keyframes(sequence, result):
+    """The ground truth of each keyframe of a run: tx ty tz qx qy qz qw."""
+    truth = [(float(row[0]), pose(row)) for row in lines_of(sequence / "groundtruth.txt")]
+    stamps = [stamp for stamp, _ in truth]
+
+    def nearest(stamp):
+        after = bisect.bisect_left(stamps, stamp)
+        return min(truth[max(0, after - 1):after + 1], key=lambda entry: abs(entry[0] - stamp))[1]
+
+    return [nearest(float(row[0])) for row in lines_of(result / "keyframes.tum")]
+
+
+def is_wrong(keys, link):
+    true = position_in(keys[link["from"]], keys[link["to"]])
+    return math.dist(true, link["from_pose_to"][:3]) > 0.1 + 0.1 * math.hypot(*true)
+
+
+def wrong_links(keys, links):
+    return [link for link in links if is_wrong(keys, link)]
+
+
+def are_near(a, b):
+    """Whether two poses are within 0.5 m and 20 degrees."""
+    cosine = abs(sum(p * q for p, q in zip(a[3:], b[3:])))
+    return math.dist(a[:3], b[:3]) < 0.5 and cosine > math.cos(math.radians(20) / 2)
+
+
+def recall(keys, links):
+    again = {to for to in range(len(keys))
+             if any(are_near(keys[to], keys[i]) for i in range(to - RECENT))}
+    found = {link["to"] for link in links if not is_wrong(keys, link)}
+    return len(again & found) / len(again) if again else math.nan
+
+
 def ate_of(folder):
     summary = json.loads((folder / "summary.json").read_text())
     return summary["evaluation"]["final"]["ate_rmse_m"] if summary["evaluation"] else math.nan
 
 
 def trial_of_rooms(edvo, out, seed):
-    scene, path = SCENES["rooms"]
     for number in (seed, seed + 100):
-        render(edvo, out / f"room{number}", scene, path, number)
+        render(edvo, out / f"room{number}", *SCENES["rooms"], number)
     border = chain(out / f"room{seed}", out / f"room{seed + 100}", out / f"rooms{seed}")
     result = out / f"rooms{seed}_run"
     run([edvo, "run", out / f"rooms{seed}", "-o", result, "--force", "--no-report", "--quiet"])
@@ -114,20 +157,11 @@ def trial_of_one(edvo, out, kind, seed):
     run([edvo, "run", folder, "-o", result, "--force", "--no-report", "--quiet", "--no-loops"])
     before = ate_of(result)
     run([edvo, "run", folder, "-o", result, "--force", "--no-report", "--quiet"])
-    truth = {round(float(row[0]), 3): pose(row) for row in lines_of(folder / "groundtruth.txt")}
-    stamps = sorted(truth)
-
-    def truth_at(text):
-        return truth[min(stamps, key=lambda stamp: abs(stamp - float(text)))]
-
-    keys = [truth_at(row[0]) for row in lines_of(result / "keyframes.tum")]
-    links = accepted_links(result)
-    wrong = 0
-    for link in links:
-        true = position_in(keys[link["from"]], keys[link["to"]])
-        error = math.dist(true, link["from_pose_to"][:3])
-        wrong += error > 0.1 + 0.1 * math.hypot(*true)
-    return len(links), wrong, f"ATE {1e3 * before:.2f} -> {1e3 * ate_of(result):.2f} mm"
+    keys, links = true_keyframes(folder, result), accepted_links(result)
+    rest = f"ATE {1e3 * before:.2f} -> {1e3 * ate_of(result):.2f} mm"
+    if SCENES[kind][1] == "rounds":
+        rest += f"  recall {recall(keys, links):.2f}"
+    return len(links), len(wrong_links(keys, links)), rest
 
 
 def main():
