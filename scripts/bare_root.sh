@@ -8,6 +8,10 @@ prepare_root() {
   [[ -e $root/bin/bash ]] || debootstrap --variant=minbase "$suite" "$root"
   cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/"
   cp /etc/resolv.conf "$root/etc/"
+  [[ ! -e /etc/pip.conf ]] || cp /etc/pip.conf "$root/etc/"
+  mkdir -p "$root/etc/ssl/certs"
+  [[ ! -e /etc/ssl/certs/ca-certificates.crt ]] ||
+    cp -L /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs/"
   for shared in proc dev; do mount --bind "/$shared" "$root/$shared"; done
   # shellcheck disable=SC2064  # the folder as it is now
   trap "umount '$root/proc' '$root/dev'" EXIT

@@ -8,6 +8,8 @@ repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 source "$repository/scripts/bare_root.sh"
 prepare_root "$suite" "$root"
-mkdir -p "$root/edvo"
+rm -rf "$root/edvo"
+mkdir "$root/edvo"
 git -C "$repository" archive HEAD | tar -x -C "$root/edvo"
-chroot "$root" bash -c 'cd /edvo && scripts/demo.sh && scripts/test.sh'
+chroot "$root" bash -c 'cd /edvo && scripts/demo.sh && echo "demo: $SECONDS s" && SECONDS=0 &&
+                        scripts/test.sh && echo "test: $SECONDS s"'

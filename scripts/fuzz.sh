@@ -4,18 +4,21 @@
 # address and undefined behaviour sanitizers.
 #
 # Usage: scripts/fuzz.sh [SECONDS_EACH [NAME...]]     default: 20 s each, all of them
+#   FUZZ_SEED   of what is tried; another one each time if not set
+#   FUZZ_CXX    the compiler, clang++-14 if not set
 #
 # Ends with 1 if one of them has found something; the input is then in build/fuzz/findings. What
 # they learn stays in build/fuzz/corpus; tests/fuzz/corpus has a small start of each.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+source scripts/setup.sh
 seconds=${1:-20}
 shift || true
 build=build/fuzz
 
-# Overridable, as CXX is elsewhere.
 compiler=${FUZZ_CXX:-clang++-14}
-command -v "$compiler" >/dev/null || { echo "edvo: $compiler is missing: apt-get install clang-14, or say FUZZ_CXX" >&2; exit 1; }
+command -v "$compiler" >/dev/null || install_packages scripts/packages_checks.txt
+forget_other_place "$build"
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_COMPILER="$compiler" \
       -DEDVO_BUILD_FUZZERS=ON -DEDVO_BUILD_APPS=OFF -DEDVO_BUILD_TESTS=OFF >"$build.log" 2>&1 ||
   { cat "$build.log" >&2; exit 1; }
@@ -33,7 +36,7 @@ run_one() {
   local name=$1 log=$build/$1.log
   mkdir -p "$build/corpus/$name" "$build/findings/$name" "tests/fuzz/corpus/$name"
   local status=0
-  "$build/bin/${name}_fuzz" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=3000 \
+  "$build/bin/${name}_fuzz" -max_total_time="$seconds" -seed="${FUZZ_SEED:-0}" -timeout=10 -rss_limit_mb=3000 \
       -malloc_limit_mb=2000 -max_len=65536 -print_final_stats=1 -artifact_prefix="$build/findings/$name/" \
       "$build/corpus/$name" "tests/fuzz/corpus/$name" >"$log" 2>&1 || status=$?
   local runs

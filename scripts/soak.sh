@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Runs edvo under faults: killed, stopped, on full disks, without memory, handles or a home. After
-# each try what is on disk must be whole (scripts/check_run_folder.py), and the status must be one
-# of docs/errors.md that says what happened: never a crash, never "a bug".
+# Runs edvo under faults: killed, stopped, on full and slow disks, without memory, handles or a
+# home. After each try what is on disk must be whole (scripts/check_run_folder.py), and the status
+# must be one of docs/errors.md that says what happened: never a crash, never "a bug".
 #
 # Usage: scripts/soak.sh [TRIES [ATTACK...]]     default: 100 tries where they are random
 #   attacks: killed stopped full failing readonly handles memory locale paths twice removed
+#            stalled short clock
 #
 # Needs build/bin/edvo (scripts/demo.sh builds it). Prints one line per attack; ends with 1 if any
 # try was not as it must be.
@@ -15,13 +16,16 @@ tries=${1:-100}
 shift || true
 attacks=("$@")
 [[ ${#attacks[@]} -gt 0 ]] ||
-  attacks=(killed stopped full failing readonly handles memory locale paths twice removed)
+  attacks=(killed stopped full failing readonly handles memory locale paths twice removed stalled
+           short clock)
 edvo=$PWD/build/bin/edvo
 check=$PWD/scripts/check_run_folder.py
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"${CC:-cc}" -shared -fPIC -O1 -o "$work/failing_write.so" tests/faults/failing_write.c -ldl ||
-  { echo "edvo: the failing disk cannot be compiled" >&2; exit 1; }
+for shim in failing_write slow_system; do
+  "${CC:-cc}" -shared -fPIC -O1 -o "$work/$shim.so" "tests/faults/$shim.c" -ldl ||
+    { echo "edvo: tests/faults/$shim.c cannot be compiled" >&2; exit 1; }
+done
 "$edvo" synth "$work/room" --size 160x120 --frames 60 --threads 2 2>/dev/null >/dev/null ||
   { echo "edvo: no sequence to run on" >&2; exit 1; }
 
@@ -148,6 +152,42 @@ attack_removed() { # the folder is removed or moved away in the middle
     wait $pid
     judge "$work/away" $? 7
     rm -rf "$work/out"
+  done
+}
+
+# judge_same STATUS: the run succeeded, and its poses are those of an undisturbed one.
+judge_same() {
+  local status=$1
+  [[ -d $work/undisturbed ]] ||
+    "$edvo" run "$work/room" -o "$work/undisturbed" --quiet --no-report >/dev/null 2>&1
+  cmp -s "$work/undisturbed/trajectory.tum" "$work/out/trajectory.tum" ||
+    status="$status with other poses than undisturbed"
+  judge "$work/out" "$status" 0
+}
+
+attack_stalled() { # a network file system that stops for a while, now and then
+  for stall in '1 2' '7 30' '50 300' '400 2500'; do
+    read -r every ms <<<"$stall"
+    STALL_EVERY=$every STALL_MS=$ms LD_PRELOAD=$work/slow_system.so run
+    judge_same $?
+  done
+}
+
+attack_short() { # reads and writes of a few bytes, and interrupted ones
+  for bytes in 1 13 4096; do
+    SHORT_BYTES=$bytes LD_PRELOAD=$work/slow_system.so run
+    judge_same $?
+  done
+  for every in 2 3 11; do
+    INTERRUPT_EVERY=$every LD_PRELOAD=$work/slow_system.so run
+    judge_same $?
+  done
+}
+
+attack_clock() { # the time of day jumps to and fro: seconds, a day, years
+  for jump in 2 86400 100000000; do
+    CLOCK_JUMP=$jump LD_PRELOAD=$work/slow_system.so run
+    judge_same $?
   done
 }
 

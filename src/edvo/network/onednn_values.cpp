@@ -54,7 +54,10 @@ memory PlanBuffers::take(const memory::desc& layout) {
 }
 
 void PlanBuffers::give_back(const memory& used) {
-  free_.push_back(*std::ranges::find(all_, used.get_data_handle(), &memory::get_data_handle));
+  // A lambda: with oneDNN 3 the member is one of several of this name.
+  free_.push_back(*std::ranges::find_if(all_, [&](const memory& other) {
+    return other.get_data_handle() == used.get_data_handle();
+  }));
 }
 
 bool PlanValues::is_read_once(const std::string& name) const {

@@ -10,6 +10,7 @@
 namespace edvo {
 namespace {
 
+// Depth that is the same everywhere was not measured: it is taken as missing.
 Frame without_depth(Frame frame) {
   frame.depth = cv::Mat_<float>(frame.depth.size(), std::numeric_limits<float>::quiet_NaN());
   return frame;
@@ -22,7 +23,7 @@ Frame without_depth(Frame frame) {
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();  // it tells nothing
+  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();
   const Frame& frame = is_constant ? emptied : image.frame;
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
@@ -32,27 +33,29 @@ FrameResult Odometry::process(const PreparedImage& image) {
     // Where too little of the frame can be tracked it is lost, and the next frame tries again.
     s.begin_segment(frame, KeyframeReason::kFirst, result);
   } else {
-    // Align to the reference keyframe, from predicted motions and if need be from far ones. If that
-    // fails, try the segment left last; where it fits, s.segment and alignment are that one's.
+    // Align to the reference keyframe: from predicted motions, again where an object may move, and
+    // from far motions if the result is lost. If it stays lost, align to the segment left last (no
+    // place recognition); where that fits, s.segment and alignment are that one's.
     Stopwatch watch;
     SegmentAlignment alignment = align_in(s.segment, frame, s.config, s.guard, s.scratch);
     const bool relocalized = alignment.loss != LossCause::kNone && s.relocalize(frame, alignment);
     result.milliseconds.tracking = watch.lap();
 
-    // A few steps of the window, for a lost frame too: frames after a keyframe share its cost.
+    // A few steps of the window's bundle adjustment, for a lost frame too: frames after a keyframe
+    // share its cost.
     s.refine_window();
     result.milliseconds.window = watch.lap();
 
-    describe(alignment.result, result);
+    describe(alignment.result, result);  // statistics
     if (alignment.loss != LossCause::kNone) {
-      s.lose_or_restart(frame, alignment.loss, result);
+      s.lose_or_restart(frame, alignment.loss, result);  // the last good pose, or a new segment
     } else {
-      update_tracking_state(s.segment, frame, alignment);
+      update_tracking_state(s.segment, frame, alignment);  // points on moving objects go, too
       s.record_tracked(frame, alignment.result, relocalized, result);
       // May fail for want of points: the frame stays tracked, and the next one is asked again.
       if (const auto reason = s.policy.due(alignment.result, frame, s.segment.state))
         (void)s.insert_keyframe(frame, *reason, result);
-      s.segment.predictor.update(frame, s.config);  // the next guesses start from here
+      s.segment.predictor.update(frame, s.config);  // motion to expect next
     }
   }
 

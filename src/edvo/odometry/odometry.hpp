@@ -17,10 +17,11 @@
 
 namespace edvo {
 
-// An image with all done that needs no other image.
+// An image as far as it can be made ready alone: grey pyramid, corrected for the lens. Colour,
+// edges and the whole depth image are made of keyframes only.
 struct PreparedImage {
   Frame frame;
-  double milliseconds = 0;  // that it took [ms]
+  double milliseconds = 0;  // that making it ready took [ms]
 };
 
 // The world frame is the camera frame of the first image that could be used.
@@ -49,8 +50,8 @@ class Odometry {
   // Refines the last keyframes to the end; finish() does that, too.
   void settle();
 
-  // Takes over what is known from elsewhere about all keyframes, by id: their poses, and which
-  // segments are joined to an older one. For between settle() and finish().
+  // Takes over what is known from elsewhere (Slam's pose graph) about all keyframes, by id: their
+  // poses, and which segments are joined to an older one. For between settle() and finish().
   void correct(std::span<const MapKeyframe> keyframes);
 
   // Refines the last keyframes to the end, and then all of a segment together. Call it once after
@@ -60,9 +61,9 @@ class Odometry {
   // As if no image had come: same camera, options and detector.
   void reset();
 
-  // The best present estimate of every frame with a pose: frames hang on their keyframe and the one
-  // that came after it, so that they follow when a later refinement moves these. Lost frames are
-  // left out, and so are restarted ones in whose segment no frame was tracked.
+  // The best present estimate of every frame with a pose: its keyframe's pose times its motion from
+  // there, and a share, by time, of what the next keyframe was moved by since it was tracked. Lost
+  // frames are left out, and so are restarted ones in whose segment no frame was tracked.
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] Trajectory keyframe_trajectory() const;
   [[nodiscard]] const Map& map() const;

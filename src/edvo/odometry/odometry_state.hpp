@@ -83,8 +83,8 @@ struct Odometry::State {
   // Of a frame, by the present poses of its keyframe and of that one's successor.
   [[nodiscard]] SE3 world_from_camera(const FrameLink& link) const;
 
-  // Makes this frame the first keyframe of a new segment, at the last good pose. False, and nothing
-  // changed but the result's loss cause, if too little of the frame can be tracked.
+  // Makes this frame the first keyframe of a new segment, at the last good pose. If too little of
+  // the frame can be tracked, returns false and changes the result alone.
   bool begin_segment(const Frame& frame, KeyframeReason reason, FrameResult& result);
 
   // Aligns a frame that the present segment lost to left_segment; if it fits there, that becomes

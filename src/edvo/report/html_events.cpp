@@ -103,8 +103,9 @@ std::vector<PlotEvent> plot_events_of(const RunLog& log) {
          .link = i < kMostRows ? fmt::format("#event-{}", i + 1) : std::string()});
   }
   // Links are many, and must not hide what is rare.
-  std::ranges::stable_partition(
-      marks, [](const PlotEvent& mark) { return mark.color == color_of(EventKind::kLink); });
+  std::stable_partition(marks.begin(), marks.end(), [](const PlotEvent& mark) {
+    return mark.color == color_of(EventKind::kLink);
+  });
   for (std::size_t i = 0; i < log.worst.size(); ++i)
     marks.push_back({.x = log.worst[i].seconds,
                      .text = fmt::format("frame {}: {}", log.worst[i].frame, log.worst[i].reason),

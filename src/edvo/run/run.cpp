@@ -134,7 +134,7 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
   std::uint64_t map_version = 0;  // that observers were told of
   const Clock::time_point start = Clock::now();
   {
-    // From disk to Frame, ahead of time and on other threads; tracking is on this one.
+    // From disk to Frame ahead of time, mostly on other threads; tracking is on this one.
     Prefetch frames([&](const PendingFrame& frame) { return tracker.prepare(frame.load()); },
                     source, {.threads = options.threads});
     track_all(frames, tracker, observers, options.should_stop, map_version, outcome);
