@@ -3,7 +3,7 @@
 
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/core/nesting.hpp"
+#include "edvo/core/parse_toml.hpp"
 #include "edvo/io/file.hpp"
 
 #include <fmt/format.h>
@@ -19,16 +19,8 @@ void refuse(const TomlFile& file, const toml::node& node, const std::string& wha
 
 toml::table parse_toml(const TomlFile& file) {
   constexpr std::size_t kLargestFile = 1 << 24;  // [bytes]
-  const std::string text = read_file(file.path, kLargestFile);
-  if (const auto fault = fault_in_toml(text))
-    throw Error(ErrorCode::kConfig,
-                fmt::format("{}:{}: {}", file.path.string(), fault->line, fault->what));
-  try {
-    return toml::parse(text, file.path.string());
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: not valid TOML: {}", file.path.string(),
-                                                error.source().begin.line, error.description()));
-  }
+  return edvo::parse_toml(read_file(file.path, kLargestFile), file.path.string(),
+                          ErrorCode::kConfig);
 }
 
 void check_keys(const TomlFile& file, const toml::table& table,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/nesting.hpp"
 
+#include "edvo/core/parse_toml.hpp"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace edvo {
@@ -62,7 +65,32 @@ TEST(Toml, NeedsAsciiOutsideOfQuotesAndComments) {
     EXPECT_EQ(fault->line, 2) << text;
     EXPECT_NE(fault->what.find("not ASCII"), std::string_view::npos);
   }
-  EXPECT_FALSE(fault_in_toml("\uFEFF# caf\u00E9\na = \"caf\u00E9\" # \u00E9\n'\u00E9' = 1\n"));
+  EXPECT_FALSE(fault_in_toml("# caf\u00E9\na = \"caf\u00E9\" # \u00E9\n'\u00E9' = 1\n"));
+}
+
+TEST(Toml, IsReadTheSameAsBeforeItsCharactersAreEscaped) {
+  const toml::table table = parse_toml(
+      "\uFEFF# caf\u00E9\n'\u00E9' = 1\na = \"x\u00E9\\n\" # \u00E9\nb = 'C:\\\u00E9\"'\n"
+      "c = \"\"\"\n\U0001F600 \"two\"\nlines\"\"\"\nd = '''\n\u00FC\\n'''\ne = 'plain\\'\n",
+      "my.toml", ErrorCode::kConfig);
+  EXPECT_EQ(table["\u00E9"].value<int>(), 1);
+  EXPECT_EQ(table["a"].value<std::string>(), "x\u00E9\n");
+  EXPECT_EQ(table["b"].value<std::string>(), "C:\\\u00E9\"");
+  EXPECT_EQ(table["c"].value<std::string>(), "\U0001F600 \"two\"\nlines");
+  EXPECT_EQ(table["d"].value<std::string>(), "\u00FC\\n");
+  EXPECT_EQ(table["e"].value<std::string>(), "plain\\");
+  EXPECT_EQ(table["e"].node()->source().begin.line, 10U);
+}
+
+TEST(Toml, LeavesTheParserNothingButAscii) {
+  for (const char* const text : {"a = 5[[\"\"\"\uFEBF1", "a = 5='\uFEBF", "a = \"\\\uFEBF\"",
+                                 "a = \"\xBF\"", "a = '\xE9", "# \xE9"}) {
+    const std::string ascii = toml_in_ascii(text);
+    EXPECT_TRUE(std::all_of(ascii.begin(), ascii.end(), [](char c) { return c > 0; })) << text;
+    if (text[0] != '#') {
+      EXPECT_THROW((void)parse_toml(text, "my.toml", ErrorCode::kConfig), Error) << text;
+    }
+  }
 }
 
 }  // namespace

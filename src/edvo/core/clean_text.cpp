@@ -7,13 +7,17 @@
 namespace edvo {
 namespace {
 
-struct Character {
-  char32_t code = 0;
-  std::size_t bytes = 0;  // 0 = not UTF-8
-};
+bool is_harmless(char32_t code) {
+  const bool is_control = code < 0x20 || (code >= 0x7F && code < 0xA0);
+  const bool turns_direction = (code >= 0x202A && code <= 0x202E) ||
+                               (code >= 0x2066 && code <= 0x2069) || code == 0x200E ||
+                               code == 0x200F;
+  return code == '\n' || code == '\t' || (!is_control && !turns_direction);
+}
 
-// The first character of a text that is not empty (RFC 3629).
-Character first_character(std::string_view text) {
+}  // namespace
+
+Utf8Character first_utf8_character(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   const std::uint8_t lead = byte(0);
   if (lead < 0x80) return {lead, 1};
@@ -30,21 +34,11 @@ Character first_character(std::string_view text) {
   return {code, bytes};
 }
 
-bool is_harmless(char32_t code) {
-  const bool is_control = code < 0x20 || (code >= 0x7F && code < 0xA0);
-  const bool turns_direction = (code >= 0x202A && code <= 0x202E) ||
-                               (code >= 0x2066 && code <= 0x2069) || code == 0x200E ||
-                               code == 0x200F;
-  return code == '\n' || code == '\t' || (!is_control && !turns_direction);
-}
-
-}  // namespace
-
 std::string clean_text(std::string_view text) {
   std::string clean;
   clean.reserve(text.size());
   while (!text.empty()) {
-    const Character character = first_character(text);
+    const Utf8Character character = first_utf8_character(text);
     const std::size_t bytes = character.bytes == 0 ? 1 : character.bytes;
     if (character.bytes > 0 && is_harmless(character.code)) {
       clean += text.substr(0, bytes);

@@ -23,13 +23,16 @@ std::size_t end_of_string(std::string_view text, std::size_t begin, std::string_
   return text.size();
 }
 
-// The end of the string or comment that begins at i; i if none does.
-std::size_t skip_toml(std::string_view text, std::size_t i) {
+}  // namespace
+
+std::size_t end_of_toml_string_or_comment(std::string_view text, std::size_t i) {
   const std::string_view rest = text.substr(i);
   for (const std::string_view quote : {"\"\"\"", "'''", "\"", "'"})
     if (rest.starts_with(quote)) return end_of_string(text, i, quote, quote.front() == '"');
   return rest.starts_with('#') ? std::min(text.find('\n', i), text.size()) : i;
 }
+
+namespace {
 
 std::size_t skip_json(std::string_view text, std::size_t i) {
   return text[i] == '"' ? end_of_string(text, i, "\"", true) : i;
@@ -64,9 +67,7 @@ std::optional<TomlFault> find_fault(std::string_view text, bool is_toml, Skip sk
 }  // namespace
 
 std::optional<TomlFault> fault_in_toml(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  return find_fault(text, true, skip_toml);
+  return find_fault(text, true, end_of_toml_string_or_comment);
 }
 
 std::optional<int> line_nested_too_deeply_in_json(std::string_view text) {

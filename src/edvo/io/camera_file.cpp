@@ -2,8 +2,7 @@
 #include "edvo/io/camera_file.hpp"
 
 #include "edvo/core/error.hpp"
-#include "edvo/core/nesting.hpp"
-#include "edvo/core/toml.hpp"
+#include "edvo/core/parse_toml.hpp"
 #include "edvo/io/camera_text.hpp"
 #include "edvo/io/file.hpp"
 #include "edvo/io/text_list.hpp"
@@ -87,19 +86,6 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
   return camera;
 }
 
-toml::table parse_table(const path& file, std::string_view text) {
-  if (const auto fault = fault_in_toml(text))
-    throw Error(ErrorCode::kCalibration,
-                fmt::format("{}:{}: {}", file.string(), fault->line, fault->what));
-  try {
-    return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    throw Error(
-        ErrorCode::kCalibration,
-        fmt::format("{}:{}: {}", file.string(), error.source().begin.line, error.description()));
-  }
-}
-
 [[noreturn]] void fail_at(const path& file, const toml::source_region& where,
                           const std::string& reason) {
   throw Error(ErrorCode::kCalibration,
@@ -136,7 +122,7 @@ std::vector<double> coefficients_in(const toml::node& node, const path& file) {
 }
 
 StatedCamera parse_camera_toml(const path& file, std::string_view text) {
-  const toml::table table = parse_table(file, text);
+  const toml::table table = parse_toml(text, file.string(), ErrorCode::kCalibration);
   StatedCamera camera{.fx = number_in(table, "fx", true, file),
                       .fy = number_in(table, "fy", true, file),
                       .cx = number_in(table, "cx", true, file),

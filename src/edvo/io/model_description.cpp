@@ -2,8 +2,7 @@
 #include "edvo/io/model_description.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
-#include "edvo/core/nesting.hpp"
-#include "edvo/core/toml.hpp"
+#include "edvo/core/parse_toml.hpp"
 
 #include <fmt/format.h>
 
@@ -176,16 +175,7 @@ bool is_hash(std::string_view text) {
 }  // namespace
 
 ModelDescription model_description_from_toml(std::string_view text, const std::string& source) {
-  if (const auto fault = fault_in_toml(text))
-    throw Error(ErrorCode::kModel, fmt::format("{}:{}: {}", source, fault->line, fault->what));
-  toml::table table;
-  try {
-    table = toml::parse(text, source);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorCode::kModel,
-                fmt::format("{}:{}: a model is described in TOML, this is not: {}", source,
-                            error.source().begin.line, error.description()));
-  }
+  const toml::table table = parse_toml(text, source, ErrorCode::kModel);
   ModelDescription model;
   Reader reader(table, "", source);
   reader.read("name", model.name);

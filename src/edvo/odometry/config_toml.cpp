@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/core/did_you_mean.hpp"
 #include "edvo/core/find_named.hpp"
-#include "edvo/core/nesting.hpp"
-#include "edvo/core/toml.hpp"
+#include "edvo/core/parse_toml.hpp"
 #include "edvo/odometry/config.hpp"
 
 #include <fmt/format.h>
@@ -256,17 +255,6 @@ std::string line_of(const toml::node& node, const std::string& source) {
   return fmt::format("{}:{}: ", source, node.source().begin.line);
 }
 
-toml::table parse(std::string_view text, const std::string& source) {
-  if (const auto fault = fault_in_toml(text))
-    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: {}", source, fault->line, fault->what));
-  try {
-    return toml::parse(text, source);
-  } catch (const toml::parse_error& error) {
-    throw Error(ErrorCode::kConfig, fmt::format("{}:{}: not valid TOML: {}", source,
-                                                error.source().begin.line, error.description()));
-  }
-}
-
 }  // namespace
 
 std::string to_toml(const Config& config) {
@@ -283,7 +271,7 @@ std::string to_toml(const Config& config) {
 }
 
 Config config_from_toml(std::string_view text, const std::string& source, Config base) {
-  const toml::table root = parse(text, source);
+  const toml::table root = parse_toml(text, source, ErrorCode::kConfig);
   for (const auto& [group, options] : root) {
     const toml::table* fields = options.as_table();
     const bool is_empty_group = fields && fields->empty() && is_group(base, group.str());
@@ -315,7 +303,8 @@ void set_option(Config& config, std::string_view assignment) {
     constexpr bool is_text = std::is_enum_v<Field> || std::is_same_v<Field, std::string>;
     const bool bare = is_text && !value.starts_with('"') && !value.starts_with('\'');
     const std::string source = fmt::format("value of {}", key);
-    const toml::table table = parse("value = " + (bare ? quoted(value) : value), source);
+    const toml::table table =
+        parse_toml("value = " + (bare ? quoted(value) : value), source, ErrorCode::kConfig);
     if (table.size() != 1) refuse(key, value, "expected one value");
     read_field(field, range, *table.get("value"), key);
   });
