@@ -43,8 +43,11 @@ cv::Mat_<float> answer(const Model& model, const cv::Mat_<cv::Vec3b>& image,
 }
 
 TEST(Inference, GivesTheSameEdgesWithBothEngines) {
-  const std::vector<Model> models = {own_model(), model_of_tests("narrow_dexined"),
-                                     model_of_tests("operators")};
+  std::vector<Model> models = {own_model()};
+  // OpenCV 4.10 does not find the sizes of their Concat for an input of any size.
+  if (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR < 10)
+    for (const char* const name : {"narrow_dexined", "operators"})
+      models.push_back(model_of_tests(name));
   for (const Model& model : models)
     for (const cv::Size size : {cv::Size(96, 64), cv::Size(173, 99), cv::Size(16, 16)}) {
       const cv::Mat_<cv::Vec3b> image = image_of(size);
@@ -173,10 +176,9 @@ TEST(Inference, FollowsTheImageToAnotherSizeAndBack) {
 
 TEST(Inference, GoesToOpenCvWhereOneDnnLacksAnOperator) {
   const Model model = test::tiny_model();
-  EXPECT_TRUE(
-      fails_with(ErrorCode::kModel, {"tiny_edges.onnx: oneDNN 2.", "the operator Pad"}, [&] {
-        (void)answer(model, image_of({64, 48}), InferenceEngine::kOneDnn);
-      }));
+  EXPECT_TRUE(fails_with(ErrorCode::kModel, {"tiny_edges.onnx: oneDNN ", "the operator Pad"}, [&] {
+    (void)answer(model, image_of({64, 48}), InferenceEngine::kOneDnn);
+  }));
   EXPECT_EQ(cv::norm(answer(model, image_of({64, 48}), InferenceEngine::kAuto),
                      answer(model, image_of({64, 48}), InferenceEngine::kOpenCv)),
             0);
