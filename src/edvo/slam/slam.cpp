@@ -106,12 +106,14 @@ void Slam::doubt_steps_after_loss() {
 void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
   LinkSearch search(places_, camera_, search_options(config_, slam_, threads));
   const auto is_new = [](const LinkReport& link) { return link.status == LinkStatus::kAccepted; };
-  const auto correct = [&] {
+  const auto correct = [&] {  // returns how many links are refused
     for (LinkReport& link : links_)
       if (link.status == LinkStatus::kCycle || link.status == LinkStatus::kAlone)
         link.status = LinkStatus::kAccepted;
     join_segments(keyframes, links_);
     close_loops(keyframes, steps_, links_);
+    return std::count_if(links_.begin(), links_.end(),
+                         [](const LinkReport& link) { return link.status == LinkStatus::kCycle; });
   };
   const bool single = std::all_of(keyframes.begin(), keyframes.end(), [&](const MapKeyframe& key) {
     return key.segment == keyframes.front().segment;
@@ -127,8 +129,23 @@ void Slam::search_places(std::vector<MapKeyframe>& keyframes, int threads) {
     const std::vector<LinkReport> near =
         search.by_pose(keyframes, links_, slam_.loops.most_verified);
     links_.insert(links_.end(), near.begin(), near.end());
+    // Steps that are less sure than they say contradict right links: then the map is believed.
+    const auto keyframes_before = keyframes;
+    const auto links_before = links_;
+    const auto steps_early = steps_;
+    measure_steps(0, static_cast<KeyframeId>(keyframes.size()) - 1);
+    const auto steps_late = steps_;
+    const auto refused_with = [&](const std::vector<OdometryStep>& steps) {
+      steps_ = steps;
+      keyframes = keyframes_before;
+      links_ = links_before;
+      return correct();
+    };
+    const auto refused_late = refused_with(steps_late);
+    if (refused_with(steps_early) > refused_late) refused_with(steps_late);
+  } else {
+    correct();
   }
-  correct();
   for (int round = 0; round < kRounds && std::any_of(links_.begin(), links_.end(), is_new);
        ++round) {
     const std::vector<LinkReport> more =
