@@ -59,7 +59,7 @@ std::vector<std::string> texts(const TomlFile& file, const toml::table& table,
   const toml::node* const node = table.get(key);
   if (!node) return {};
   const toml::array* const array = node->as_array();
-  if (!array) refuse(file, *node, fmt::format("{}: expected a list, [\"...\", \"...\"]", key));
+  if (!array) refuse(file, *node, fmt::format(R"({}: expected a list, ["...", "..."])", key));
   std::vector<std::string> values;
   for (const toml::node& item : *array) values.push_back(as_text(file, item, key));
   return values;

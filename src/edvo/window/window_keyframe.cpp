@@ -23,8 +23,8 @@ bool faces(const WindowKeyframe& key, float u, float v, const Eigen::Vector3d& c
   constexpr float kApart = 6;     // [px]
   constexpr float kBent = 0.05F;  // share of inverse depth, beyond: no plane
   const auto at = [&](float du, float dv) {
-    const float x = std::clamp(u + du, 0.F, static_cast<float>(key.gray.cols - 1));
-    const float y = std::clamp(v + dv, 0.F, static_cast<float>(key.gray.rows - 1));
+    const float x = std::clamp(u + du, 0.F, static_cast<float>(key.gray.cols - 2));
+    const float y = std::clamp(v + dv, 0.F, static_cast<float>(key.gray.rows - 2));
     return inverse_depth_at(key, x, y);
   };
   const float here = at(0, 0);
