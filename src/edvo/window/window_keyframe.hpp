@@ -79,8 +79,8 @@ struct WindowKeyframe {
 // [1 / m] Much less than any sensor's noise; depths from 0.13 m on can be told.
 constexpr float kInverseDepthStep = 1.2e-4F;
 
-// Inverse depth at the nearest of those pixels that have one [1 / m], NaN = none. u, v: within the
-// image [px].
+// Inverse depth at the nearest of those pixels that have one [1 / m], NaN = none. u, v: at most the
+// image's size less two [px]; beyond, the nearest may lie outside.
 [[nodiscard]] inline float inverse_depth_at(const WindowKeyframe& key, float u, float v) {
   const std::uint16_t steps =
       key.half_depth(static_cast<int>(0.5F * v + 0.5F), static_cast<int>(0.5F * u + 0.5F));
