@@ -35,12 +35,13 @@ inline void take_memory() {
   constexpr std::size_t kBlock = 24 << 20, kPage = 4096;  // [bytes]; blocks that come from the heap
   std::array<void*, 4> blocks{};
   for (void*& block : blocks) {
-    block = std::malloc(kBlock);
+    block = std::malloc(kBlock);  // NOLINT(cppcoreguidelines-no-malloc): the heap is what grows
     if (block == nullptr) break;
     const auto first = (reinterpret_cast<std::uintptr_t>(block) + kPage - 1) & ~(kPage - 1);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): rounded to a page
     madvise(reinterpret_cast<void*>(first), kBlock - 2 * kPage, MADV_POPULATE_WRITE);
   }
-  for (void* const block : blocks) std::free(block);
+  for (void* const block : blocks) std::free(block);  // NOLINT(cppcoreguidelines-no-malloc)
 #endif
 }
 

@@ -122,7 +122,7 @@ class LevelProblem {
     return system.cost;
   }
 
-  [[nodiscard]] Alignment update(const Alignment& alignment, const Vector8d& step) const {
+  [[nodiscard]] static Alignment update(const Alignment& alignment, const Vector8d& step) {
     return {.cur_from_ref = alignment.cur_from_ref * exp(step.head<6>()),
             .gain = alignment.gain + step[6],
             .bias = alignment.bias + kBrightnessUnit * step[7]};

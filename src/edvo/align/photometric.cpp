@@ -47,7 +47,7 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     const Int8 offset = row * stride + column;
     Int8 top, bottom;  // two neighbours each, the left one in the low byte
     for (std::size_t k = 0; k < simd::kWidth; ++k) {
-      std::uint16_t pair;
+      std::uint16_t pair = 0;
       const std::uint8_t* p = pixels + offset[k];
       std::memcpy(&pair, p, sizeof pair);
       top[k] = pair;

@@ -51,7 +51,7 @@ EDVO_CLONES void undistort_eight(const std::uint16_t* pairs, const std::int32_t*
   for (std::size_t i = 0; i < count; i += simd::kWidth) {
     Int8 four, a, b;
     for (std::size_t k = 0; k < simd::kWidth; ++k) {
-      std::int32_t word;
+      std::int32_t word = 0;
       std::memcpy(&word, pairs + corner[i + k], sizeof word);
       four[k] = word;
       a[k] = right[i + k];

@@ -150,7 +150,8 @@ class Unpacker {
   void unpack_to(const fs::path& folder) {
     archive_entry* entry = nullptr;
     int entries = 0;
-    for (int status; (status = archive_read_next_header(reader_.get(), &entry)) != ARCHIVE_EOF;) {
+    for (int status = 0;
+         (status = archive_read_next_header(reader_.get(), &entry)) != ARCHIVE_EOF;) {
       if (status != ARCHIVE_OK && status != ARCHIVE_WARN) fail_damaged();
       if (++entries > kMostEntries) fail_input(archive_, "too many entries");
       const fs::path target = folder / safe_path(archive_, entry);

@@ -23,8 +23,8 @@ Error write_error(const fs::path& path, int error_number) {
   if (error_number == ENOSPC || error_number == EDQUOT) remedy = "free some space on that disk";
   if (error_number == EACCES || error_number == EROFS || error_number == EPERM)
     remedy = "choose a folder you may write to with -o";
-  return Error(ErrorCode::kOutput, fmt::format("{}: cannot write: {}; {}", path.string(),
-                                               std::strerror(error_number), remedy));
+  return {ErrorCode::kOutput, fmt::format("{}: cannot write: {}; {}", path.string(),
+                                          std::strerror(error_number), remedy)};
 }
 
 int open_for_writing(const fs::path& path) {

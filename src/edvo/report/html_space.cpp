@@ -40,7 +40,7 @@ Points points_of(const SpaceLine& line, double up_sign) {
 // As a string of JSON that ends no element of the page.
 std::string json_text(const std::string& text) {
   std::string quoted = nlohmann::json(clean_text(text)).dump();
-  for (std::size_t at = quoted.find('<'); at != quoted.npos; at = quoted.find('<', at))
+  for (std::size_t at = quoted.find('<'); at != std::string::npos; at = quoted.find('<', at))
     quoted.replace(at, 1, "\\u003c");
   return quoted;
 }

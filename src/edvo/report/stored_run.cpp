@@ -98,7 +98,7 @@ std::map<std::int64_t, std::string> pictures_in(const std::string& page) {
   constexpr std::string_view kAlphabet =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
   std::map<std::int64_t, std::string> pictures;
-  for (std::size_t at = page.find(kFrame); at != page.npos; at = page.find(kFrame, at)) {
+  for (std::size_t at = page.find(kFrame); at != std::string::npos; at = page.find(kFrame, at)) {
     at += kFrame.size();
     std::int64_t frame = 0;
     const auto [end, status] = std::from_chars(page.data() + at, page.data() + page.size(), frame);
@@ -106,7 +106,7 @@ std::map<std::int64_t, std::string> pictures_in(const std::string& page) {
     if (status != std::errc() || page.compare(begin, kBytes.size(), kBytes) != 0) continue;
     const std::size_t first = begin + kBytes.size();
     const std::size_t last = page.find_first_not_of(kAlphabet, first);
-    if (last == page.npos || page[last] != '"') continue;
+    if (last == std::string::npos || page[last] != '"') continue;
     pictures[frame] = page.substr(first, last - first);
   }
   return pictures;

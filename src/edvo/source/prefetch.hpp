@@ -27,7 +27,7 @@ namespace edvo {
 
 // A frame in its place in the sequence, or why it could not be read.
 template <typename Frame>
-struct Prefetched {
+struct Prefetched {  // NOLINT(bugprone-exception-escape): neither alternative throws when moved
   std::int64_t index = 0;
   Stamp stamp;
   std::variant<Frame, Error> content;
