@@ -40,6 +40,23 @@ TEST(MotionSupport, OfTheTrueMotionIsAllOfTheImage) {
   EXPECT_LT(of_none.depth, 0.1);  // 15 cm nearer
 }
 
+// Sixty columns of a hundred of the depth image are 30 % nearer.
+TEST(MotionSupport, TellsWhatIsNearerAndWhatIsInView) {
+  const Reference reference = wall_reference(plane_frame({}));
+  RgbdImage image = test::render_plane(test::kPlane, kVgaCamera, {});
+  image.depth.colRange(0, image.depth.cols * 6 / 10) *= 0.7F;
+  const Undistortion none = make_undistortion({kVgaCamera, {}});
+  const MotionSupport hidden = support_of(reference, make_frame(image, none), {});
+  EXPECT_NEAR(hidden.nearer, 0.6, 0.03);
+  EXPECT_EQ(hidden.farther, 0);
+  EXPECT_EQ(hidden.in_view, 1);
+  image.depth *= 2;
+  EXPECT_NEAR(support_of(reference, make_frame(image, none), {}).farther, 1, 0.03);
+  // Half of the image to the right: half of it is left.
+  const SE3 right{.translation = {0.5 * kVgaCamera.width / kVgaCamera.fx * 2, 0, 0}};
+  EXPECT_NEAR(support_of(reference, plane_frame({}), right).in_view, 0.5, 0.03);
+}
+
 // The left half of the image stands still, the right half moves.
 TEST(MotionSupport, CountsAreaNotPoints) {
   const Frame key = plane_frame({});

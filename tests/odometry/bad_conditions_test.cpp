@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BoxCase{"OfficeSeed1", box(SceneName::kOffice, PathName::kDemo, 1), 0.047},
         BoxCase{"OfficeSeed21", box(SceneName::kOffice, PathName::kDemo, 21), 0.037},
-        BoxCase{"OfficeOrbit", box(SceneName::kOffice, PathName::kOrbit, 0), 0.022},
+        BoxCase{"OfficeOrbit", box(SceneName::kOffice, PathName::kOrbit, 0), 0.03},
         BoxCase{"OfficeXyz", box(SceneName::kOffice, PathName::kXyz, 0), 0.061},
         BoxCase{"OfficeTurn", box(SceneName::kOffice, PathName::kPureRotation, 0), 0.016},
         BoxCase{"OfficeExposureJump",

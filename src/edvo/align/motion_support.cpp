@@ -11,8 +11,9 @@
 namespace edvo {
 namespace {
 
-constexpr int kLeastPoints = 3;     // of a cell, for its state
-constexpr double kExplained = 0.5;  // [0..1] of a cell's points
+constexpr int kLeastPoints = 3;       // of a cell, for its state
+constexpr float kOtherDepth = 1.17F;  // times the expected one: not the same surface
+constexpr double kExplained = 0.5;    // [0..1] of a cell's points
 
 // Column and row of the cell that a point in view projects to.
 cv::Point cell_at(const Camera& camera, const Eigen::Vector3d& point) {
@@ -29,11 +30,13 @@ std::size_t cell_of(const Camera& camera, float x, float y, float z) {
 }
 
 void add_intensity(const ReferenceLevel& points, const std::vector<float>& residuals, float limit,
-                   MotionSupport& support) {
+                   const CellMask& hidden, MotionSupport& support) {
   std::array<int, kCellColumns * kCellRows> seen{}, fitting{};
+  std::size_t in_view = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     if (std::isnan(residuals[i])) continue;
     const std::size_t cell = cell_of(points.camera, points.x[i], points.y[i], points.z[i]);
+    ++in_view;
     ++seen[cell];
     fitting[cell] += std::abs(residuals[i]) < limit ? 1 : 0;
   }
@@ -43,24 +46,45 @@ void add_intensity(const ReferenceLevel& points, const std::vector<float>& resid
     support.states[cell] = share < kExplained ? CellState::kUnexplained : CellState::kExplained;
     support.intensity += share;
     ++support.cells;
+    if (hidden[cell]) continue;
+    support.intensity_behind += share;
+    ++support.cells_behind;
   }
   support.intensity /= std::max(1, support.cells);
+  support.intensity_behind /= std::max(1, support.cells_behind);
+  support.in_view =
+      static_cast<double>(in_view) / static_cast<double>(std::max<std::size_t>(1, points.count));
 }
 
-void add_depth(const SurfacePoints& surface, const DepthAssociations& associations,
-               const SE3& cur_from_ref, float limit, MotionSupport& support) {
+// Returns the cells that are hidden.
+CellMask add_depth(const SurfacePoints& surface, const Camera& camera,
+                   const DepthAssociations& associations, const SE3& cur_from_ref, float limit,
+                   MotionSupport& support) {
   const Eigen::Matrix3f R = cur_from_ref.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = cur_from_ref.translation.cast<float>();
-  int fitting = 0;
+  std::array<int, kCells> in_front{};  // points that are nearer, less those that are not
+  int fitting = 0, nearer = 0, farther = 0;
   for (std::size_t i = 0; i < surface.x.size(); ++i) {
     if (!(surface.z[i] > 0) || std::isnan(associations.z[i])) continue;
     const Eigen::Vector3f x(associations.x[i], associations.y[i], associations.z[i]);
     const Eigen::Vector3f normal(surface.nx[i], surface.ny[i], surface.nz[i]);
     const float error = (normal.dot(R.transpose() * (x - t)) - 1.F) / surface.z[i];
+    const float expected =
+        R.row(2).dot(Eigen::Vector3f(surface.x[i], surface.y[i], surface.z[i])) + t.z();
     ++support.depths;
+    const bool is_nearer = associations.z[i] < expected / kOtherDepth;
+    in_front[cell_of(camera, surface.x[i], surface.y[i], surface.z[i])] += is_nearer ? 1 : -1;
+    nearer += is_nearer ? 1 : 0;
+    farther += associations.z[i] > expected * kOtherDepth ? 1 : 0;
     fitting += std::abs(error) < limit ? 1 : 0;
   }
-  support.depth = static_cast<double>(fitting) / std::max(1, support.depths);
+  const double all = std::max(1, support.depths);
+  support.depth = fitting / all;
+  support.nearer = nearer / all;
+  support.farther = farther / all;
+  CellMask hidden{};
+  for (std::size_t cell = 0; cell < kCells; ++cell) hidden[cell] = in_front[cell] > 0;
+  return hidden;
 }
 
 // Those of the kept points, padded again.
@@ -105,11 +129,13 @@ MotionSupport motion_support(const Reference& reference, const Frame& frame, int
                              AlignScratch& scratch) {
   const auto l = static_cast<std::size_t>(level);
   MotionSupport support;
+  const Camera& camera = frame.levels.front().camera;
+  associate_depth(reference.surface, camera, frame.depth, alignment.cur_from_ref,
+                  scratch.associations);
+  const CellMask hidden = add_depth(reference.surface, camera, scratch.associations,
+                                    alignment.cur_from_ref, limits.depth, support);
   photometric_residuals(reference.levels[l], frame.levels[l], alignment, scratch.residuals);
-  add_intensity(reference.levels[l], scratch.residuals, limits.intensity, support);
-  associate_depth(reference.surface, frame.levels.front().camera, frame.depth,
-                  alignment.cur_from_ref, scratch.associations);
-  add_depth(reference.surface, scratch.associations, alignment.cur_from_ref, limits.depth, support);
+  add_intensity(reference.levels[l], scratch.residuals, limits.intensity, hidden, support);
   return support;
 }
 

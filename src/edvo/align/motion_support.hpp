@@ -30,7 +30,12 @@ struct MotionSupport {
   double depth = 0;      // [0..1] fitting points of the surface, of those that were measured
   int cells = 0;         // with points in view
   int depths = 0;        // points of the surface that were measured
-  CellStates states{};   // by intensity
+  double nearer = 0, farther = 0;  // [0..1] of these, by a seventh or more than expected
+  double in_view = 0;              // [0..1] of the reference's points
+  // The same as intensity and cells, without cells that are hidden: most of their depth is nearer.
+  double intensity_behind = 0;
+  int cells_behind = 0;
+  CellStates states{};  // by intensity
 };
 
 [[nodiscard]] MotionSupport motion_support(const Reference& reference, const Frame& frame,

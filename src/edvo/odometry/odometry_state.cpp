@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::int64_t kEstablished = 5;  // tracked frames that make a segment worth coming back to
 constexpr int kMostUndecided = 15;        // frames lost to a second motion: it may pass
+constexpr int kMostHidden = 60;           // the same, where something hides what was seen before
+constexpr double kEntered = 0.1;          // [0..1] that it hid at the last good frame
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -132,9 +134,22 @@ void Odometry::State::record_tracked(const Frame& frame, const AlignResult& alig
                    .keyframe_from_camera = result.keyframe_from_camera});
 }
 
+bool Odometry::State::is_view_hidden(const Frame& frame) {
+  const TrackingState& state = segment.state;
+  if (state.in_front < kEntered) return false;
+  const SE3& last = state.alignment.cur_from_ref;
+  const auto hides = [&](const Reference& reference, const SE3& cur_from_ref) {
+    return is_hidden(reference, frame, cur_from_ref, config.tracking, scratch);
+  };
+  const std::optional<Witness>& witness = segment.witness;
+  return hides(segment.reference, last) ||
+         (witness && hides(witness->reference, last * witness->alignment.cur_from_ref));
+}
+
 void Odometry::State::lose_or_restart(const Frame& frame, LossCause cause, FrameResult& result) {
-  if (cause == LossCause::kTwoMotions) ++segment.undecided_frames;
-  const int waiting = std::min(segment.undecided_frames, kMostUndecided);
+  const bool hidden = is_view_hidden(frame);
+  if (cause == LossCause::kTwoMotions || hidden) ++segment.undecided_frames;
+  const int waiting = std::min(segment.undecided_frames, hidden ? kMostHidden : kMostUndecided);
   if (++lost_in_a_row - waiting > config.keyframes.max_lost_frames &&
       begin_segment(frame, KeyframeReason::kRestart, result))
     return;
@@ -174,6 +189,8 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
   std::vector<SelectedPixel> pixels =
       select_pixels(frame, candidates, undistortion.valid, config.selection);
   if (static_cast<int>(pixels.size()) < config.selection.min_points) return false;
+  if (target.keyframe >= 0)
+    hand_over(target.witness, target.reference, original, target.state, config.tracking, scratch);
   target.reference = make_reference(frame, pixels,
                                     {.gradient_weight_scale = config.tracking.gradient_weight_scale,
                                      .finest_level = config.tracking.finest_level,

@@ -105,6 +105,8 @@ struct Odometry::State {
   // Keeps what finish() needs of a segment that nothing comes back to.
   void archive_segment(Segment&& old);
   [[nodiscard]] std::vector<WindowKeyframe*> all_keyframes();
+  // Whether something has come in front of what the last good frame saw.
+  [[nodiscard]] bool is_view_hidden(const Frame& frame);
   // Makes the frame the reference keyframe of target.
   bool insert_into(Segment& target, const Frame& frame, const SE3& world_from_camera,
                    FrameResult& result);

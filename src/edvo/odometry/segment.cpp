@@ -64,6 +64,27 @@ void accept_motion(Segment& segment, const JudgedMotion& judged) {
     state.lens[cell] = state.lens[cell] || judged.others[cell];
 }
 
+// Takes the motion that the witness corrects a frame's to, or calls the frame lost.
+void ask_witness(const Witness& witness, const MotionEvidence& evidence, const Config& config,
+                 AlignScratch& scratch, SegmentAlignment& aligned) {
+  const TrackingState& state = evidence.state;
+  if (aligned.judged.verdict == MotionVerdict::kOneMotion && state.doubtful_frames == 0 &&
+      state.moving_object_frames == 0 && aligned.judged.explained >= kWellExplained)
+    return;
+  const Testimony said = question(witness, aligned.result, aligned.judged.explained, evidence,
+                                  config.tracking, scratch);
+  aligned.in_front = said.in_front;
+  if (said.correction) {
+    if (loss_cause(*said.correction, config.tracking, state, evidence.frame.stamp) !=
+        LossCause::kNone)
+      return;
+    aligned.result = *said.correction;
+    aligned.loss = LossCause::kNone;
+  } else if (said.contradicts && aligned.loss == LossCause::kNone) {
+    aligned.loss = LossCause::kTwoMotions;
+  }
+}
+
 }  // namespace
 
 SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
@@ -93,14 +114,13 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
   SegmentAlignment aligned = {
       .result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
   if (loss != LossCause::kNone) return aligned;
-  aligned.judged = judge_motion(result,
-                                {.reference = segment.reference,
-                                 .frame = frame,
-                                 .candidates = near,
-                                 .predicted = velocity * state.alignment.cur_from_ref,
-                                 .state = state,
-                                 .undecided_frames = segment.undecided_frames},
-                                config.tracking, scratch);
+  const MotionEvidence evidence = {.reference = segment.reference,
+                                   .frame = frame,
+                                   .candidates = near,
+                                   .predicted = velocity * state.alignment.cur_from_ref,
+                                   .state = state,
+                                   .undecided_frames = segment.undecided_frames};
+  aligned.judged = judge_motion(result, evidence, config.tracking, scratch);
   switch (aligned.judged.verdict) {
     case MotionVerdict::kOneMotion:
       break;
@@ -115,6 +135,7 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
       aligned.loss = LossCause::kOutliers;
       break;
   }
+  if (segment.witness) ask_witness(*segment.witness, evidence, config, scratch, aligned);
   return aligned;
 }
 
@@ -127,6 +148,7 @@ void update_tracking_state(Segment& segment, const Frame& frame,
   state.stamp = frame.stamp;
   state.alignment = result.alignment;
   state.moving_object_frames = alignment.moving_object_frames;
+  state.in_front = alignment.in_front;
   accept_motion(segment, alignment.judged);
   // Residuals of something that moves otherwise are not usual ones.
   if (state.usual_sigma == 0 || state.doubtful_frames == 0 || result.sigma < state.usual_sigma ||

@@ -9,6 +9,7 @@
 #include "edvo/odometry/motion_predictor.hpp"
 #include "edvo/odometry/moving_object_guard.hpp"
 #include "edvo/odometry/tracking_state.hpp"
+#include "edvo/odometry/witness.hpp"
 #include "edvo/window/keyframe_window.hpp"
 
 namespace edvo {
@@ -22,6 +23,7 @@ struct Segment {
   int undecided_frames = 0;  // lost since the last good one to a second motion
   MotionPredictor predictor;
   KeyframeWindow window;
+  std::optional<Witness> witness;  // none before the second keyframe
 };
 
 struct SegmentAlignment {
@@ -29,12 +31,13 @@ struct SegmentAlignment {
   LossCause loss = LossCause::kNone;
   int moving_object_frames = 0;  // for TrackingState, if the frame is not lost
   JudgedMotion judged;
+  double in_front = 0;  // the same: see Testimony
 };
 
 // Aligns a frame to the segment's reference keyframe: from predicted motions; tested for loss; if
 // lost though the image is usable, once more from far guesses; and judged for a second motion,
-// which may be an object's. Changes nothing that the next frame reads: a lost frame leaves no
-// trace.
+// which may be an object's; where there may be one, the witness is asked. Changes nothing that the
+// next frame reads: a lost frame leaves no trace.
 [[nodiscard]] SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
                                         const MovingObjectGuard& guard, AlignScratch& scratch);
 

@@ -23,6 +23,7 @@ struct TrackingState {
   double keyframe_sigma = 0;     // least sigma of the frames since then, 0 = none [grey levels]
   int moving_object_frames = 0;  // for which a second motion in the image is still expected
   int doubtful_frames = 0;       // for which a sudden motion may be that of something else
+  double in_front = 0;           // [0..1] of what the last good frame saw, as Testimony has it
   CellMask others{};             // cells of the last good frame that move otherwise
   CellMask lens{};               // cells of every frame that show what is on the lens
 };
