@@ -33,10 +33,10 @@ FrameResult Odometry::process(const PreparedImage& image) {
     // Where too little of the frame can be tracked it is lost, and the next frame tries again.
     s.begin_segment(frame, KeyframeReason::kFirst, result);
   } else {
-    // Align to the reference keyframe: from predicted motions, again where an object may move, from
-    // far motions if the result is lost, and to an older keyframe, too, if something may be in
-    // front. If it stays lost, align to the segment left last (no place recognition); where that
-    // fits, s.segment and alignment are that one's.
+    // Align to the reference keyframe: from predicted motions, again where an object may move (then
+    // to an older keyframe, too), and from far motions if the result is lost. If it stays lost,
+    // align to the segment left last (no place recognition); where that fits, s.segment and
+    // alignment are that one's.
     Stopwatch watch;
     SegmentAlignment alignment = align_in(s.segment, frame, s.config, s.guard, s.scratch);
     const bool relocalized = alignment.loss != LossCause::kNone && s.relocalize(frame, alignment);
