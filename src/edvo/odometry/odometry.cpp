@@ -33,10 +33,9 @@ FrameResult Odometry::process(const PreparedImage& image) {
     // Where too little of the frame can be tracked it is lost, and the next frame tries again.
     s.begin_segment(frame, KeyframeReason::kFirst, result);
   } else {
-    // Align to the reference keyframe: from predicted motions, again where an object may move (then
-    // to an older keyframe, too), and from far motions if the result is lost. If it stays lost,
-    // align to the segment left last (no place recognition); where that fits, s.segment and
-    // alignment are that one's.
+    // Align to the reference keyframe: from predicted motions, again where an object may move, from
+    // far motions if lost; judge, in doubt by an older keyframe, if the motion is the camera's.
+    // If lost, align to the segment left last; where that fits, segment and alignment are its own.
     Stopwatch watch;
     SegmentAlignment alignment = align_in(s.segment, frame, s.config, s.guard, s.scratch);
     const bool relocalized = alignment.loss != LossCause::kNone && s.relocalize(frame, alignment);
@@ -49,9 +48,9 @@ FrameResult Odometry::process(const PreparedImage& image) {
 
     describe(alignment.result, result);  // statistics
     if (alignment.loss != LossCause::kNone) {
-      s.lose_or_restart(frame, alignment.loss, result);  // the last good pose, or a new segment
+      s.lose_or_restart(frame, alignment.loss, result);  // last good pose; in time a new segment
     } else {
-      update_tracking_state(s.segment, frame, alignment);  // points on moving objects go, too
+      update_tracking_state(s.segment, frame, alignment);  // points clearly on others go
       s.record_tracked(frame, alignment.result, relocalized, result);
       // May fail for want of points: the frame stays tracked, and the next one is asked again.
       if (const auto reason = s.policy.due(alignment.result, frame, s.segment.state))

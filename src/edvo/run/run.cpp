@@ -23,7 +23,8 @@ void tell(const Observers& observers, Member member, const Values&... values) {
   for (Observer* const observer : observers) (observer->*member)(values...);
 }
 
-// The frame's result (also if it is lost), or why there is none: it could not be read, or not used.
+// The frame's result (also if it is lost), or why there is none: it could not be read or prepared,
+// or not used.
 std::variant<FrameResult, Error> track(Tracker& tracker, const PreparedFrame& frame) {
   if (const Error* error = std::get_if<Error>(&frame.content)) return *error;
   try {
@@ -134,7 +135,7 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
   std::uint64_t map_version = 0;  // that observers were told of
   const Clock::time_point start = Clock::now();
   {
-    // From disk to Frame ahead of time, mostly on other threads; tracking is on this one.
+    // From disk to Frame: of a recording ahead, mostly on other threads; of a live source on this.
     Prefetch frames([&](const PendingFrame& frame) { return tracker.prepare(frame.load()); },
                     source, {.threads = options.threads});
     track_all(frames, tracker, observers, options.should_stop, map_version, outcome);
