@@ -20,6 +20,7 @@ cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE= -DCMAKE_CXX_FLAGS="-O2 -g1"
       -DCMAKE_CXX_COMPILER=clang++-14 -DEDVO_WARNINGS_AS_ERRORS=ON -DEDVO_SANITIZE="$sanitizers"
 ninja -C "$folder" -j "$(parallel_jobs)" edvo_tests edvo_ros2_tests edvo_app
 export ASAN_OPTIONS=detect_leaks=1:strict_string_checks=1 UBSAN_OPTIONS=print_stacktrace=1
+export TSAN_OPTIONS=suppressions=$PWD/scripts/tsan_suppressions.txt
 ctest --test-dir "$folder" --parallel "$(parallel_jobs)" --output-on-failure --no-tests=error \
       --exclude-regex "^(install|example|shared|format|layers|sizes|links|edvo_)${SKIP:+|$SKIP}" "$@"
 

@@ -3,6 +3,15 @@
 // (docs/adr/0005).
 #pragma once
 
+// ThreadSanitizer cannot run in what chooses a version, as it is not there yet.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define EDVO_NO_CLONES
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define EDVO_NO_CLONES
+#endif
+
 // A function so marked must contain its loops itself (what it calls is compiled for the baseline).
 // Without contraction and reassociation all versions give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(EDVO_NO_CLONES)
