@@ -26,9 +26,8 @@ bool explains_little(const AlignResult& result, const TrackingState& state) {
 // camera has neither turned nor gone far. But not where something else moves: it hides the view.
 bool is_due_by_period(const AlignResult& result, const TrackingState& state, int period) {
   if (period == 0) return false;
-  const bool one_motion = state.moving_object_frames == 0 && state.doubtful_frames == 0;
-  const bool fits_worse =
-      one_motion && state.keyframe_sigma > 0 && result.sigma > kWorseFit * state.keyframe_sigma;
+  const bool fits_worse = expects_one_motion(state) && state.keyframe_sigma > 0 &&
+                          result.sigma > kWorseFit * state.keyframe_sigma;
   return state.frames_since_keyframe >= (fits_worse ? (period + 1) / 2 : period);
 }
 

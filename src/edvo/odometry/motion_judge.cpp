@@ -161,15 +161,12 @@ class Judge {
 
   // Largest residual that fits. [grey levels]
   [[nodiscard]] double limit(double sigma) const {
-    const double usual = evidence_.state.usual_sigma;
-    return kFits * std::max(kLeastSigma, usual > 0 ? std::min(sigma, usual) : sigma);
+    return largest_fitting(sigma, evidence_.state.usual_sigma);
   }
 
   [[nodiscard]] MotionSupport support(const Reference& reference, const Alignment& alignment,
                                       double intensity_limit) const {
-    return motion_support(reference, evidence_.frame, options_.finest_level, alignment,
-                          {.intensity = static_cast<float>(intensity_limit),
-                           .depth = static_cast<float>(kFits * options_.depth_noise)},
+    return support_within(intensity_limit, reference, evidence_.frame, alignment, options_,
                           scratch_);
   }
 
@@ -190,6 +187,19 @@ class Judge {
 };
 
 }  // namespace
+
+double largest_fitting(double sigma, double usual_sigma) {
+  return kFits * std::max(kLeastSigma, usual_sigma > 0 ? std::min(sigma, usual_sigma) : sigma);
+}
+
+MotionSupport support_within(double largest, const Reference& reference, const Frame& frame,
+                             const Alignment& alignment, const AlignOptions& options,
+                             AlignScratch& scratch) {
+  return motion_support(reference, frame, options.finest_level, alignment,
+                        {.intensity = static_cast<float>(largest),
+                         .depth = static_cast<float>(kFits * options.depth_noise)},
+                        scratch);
+}
 
 JudgedMotion judge_motion(const AlignResult& first, const MotionEvidence& evidence,
                           const AlignOptions& options, AlignScratch& scratch) {

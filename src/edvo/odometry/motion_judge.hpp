@@ -38,6 +38,15 @@ struct MotionEvidence {
   int undecided_frames = 0;  // lost since the last good frame because nothing was decided
 };
 
+// Largest residual that fits: 3 sigmas, the usual or the frame's, whichever is less; usual_sigma 0:
+// none is known. [grey levels]
+[[nodiscard]] double largest_fitting(double sigma, double usual_sigma);
+
+// How much of the reference a motion explains, by residuals up to `largest` [grey levels].
+[[nodiscard]] MotionSupport support_within(double largest, const Reference& reference,
+                                           const Frame& frame, const Alignment& alignment,
+                                           const AlignOptions& options, AlignScratch& scratch);
+
 [[nodiscard]] JudgedMotion judge_motion(const AlignResult& first, const MotionEvidence& evidence,
                                         const AlignOptions& options, AlignScratch& scratch);
 

@@ -68,8 +68,8 @@ void accept_motion(Segment& segment, const JudgedMotion& judged) {
 void ask_witness(const Witness& witness, const MotionEvidence& evidence, const Config& config,
                  AlignScratch& scratch, SegmentAlignment& aligned) {
   const TrackingState& state = evidence.state;
-  if (aligned.judged.verdict == MotionVerdict::kOneMotion && state.doubtful_frames == 0 &&
-      state.moving_object_frames == 0 && aligned.judged.explained >= kWellExplained)
+  if (aligned.judged.verdict == MotionVerdict::kOneMotion && expects_one_motion(state) &&
+      aligned.judged.explained >= kWellExplained)
     return;
   const Testimony said = question(witness, aligned.result, aligned.judged.explained, evidence,
                                   config.tracking, scratch);

@@ -28,6 +28,11 @@ struct TrackingState {
   CellMask lens{};               // cells of every frame that show what is on the lens
 };
 
+// Whether nothing was seen in the last frames that moves otherwise.
+[[nodiscard]] inline bool expects_one_motion(const TrackingState& state) {
+  return state.moving_object_frames == 0 && state.doubtful_frames == 0;
+}
+
 // What residuals are compared with: the usual sigma, but not that of a camera at rest, whose images
 // differ by noise alone. [grey levels]
 [[nodiscard]] inline double sigma_baseline(const TrackingState& state) {

@@ -9,9 +9,6 @@
 namespace edvo {
 namespace {
 
-constexpr double kFits = 3.0;        // sigmas, as motion_judge.cpp counts
-constexpr double kLeastSigma = 3.0;  // [grey levels]
-
 // Shares of the witness's points or of its image [0..1].
 constexpr double kLeastInView = 0.35;     // to be asked
 constexpr double kLeastExplained = 0.35;  // by the camera's motion
@@ -39,16 +36,6 @@ Alignment chained(const Alignment& first, const Alignment& second) {
           .bias = second.gain * first.bias + second.bias};
 }
 
-MotionSupport support(const Reference& reference, const Frame& frame, const Alignment& alignment,
-                      double sigma, double usual_sigma, const AlignOptions& options,
-                      AlignScratch& scratch) {
-  const double least = usual_sigma > 0 ? std::min(sigma, usual_sigma) : sigma;
-  return motion_support(reference, frame, options.finest_level, alignment,
-                        {.intensity = static_cast<float>(kFits * std::max(kLeastSigma, least)),
-                         .depth = static_cast<float>(kFits * options.depth_noise)},
-                        scratch);
-}
-
 double in_front(const MotionSupport& support) {
   const bool is_all = support.farther < kFewFarther * support.nearer;
   return support.depths >= kLeastDepths && is_all ? support.nearer : 0;
@@ -72,8 +59,8 @@ Testimony question(const Witness& witness, const AlignResult& result, double exp
                    const MotionEvidence& evidence, const AlignOptions& options,
                    AlignScratch& scratch) {
   const auto support_of = [&](const Alignment& alignment, double sigma) {
-    return support(witness.reference, evidence.frame, alignment, sigma, evidence.state.usual_sigma,
-                   options, scratch);
+    return support_within(largest_fitting(sigma, evidence.state.usual_sigma), witness.reference,
+                          evidence.frame, alignment, options, scratch);
   };
   const Alignment claimed = chained(witness.alignment, result.alignment);
   const MotionSupport of_claimed = support_of(claimed, result.sigma);
@@ -121,15 +108,15 @@ bool is_hidden(const Reference& reference, const Frame& frame, const SE3& cur_fr
 void hand_over(std::optional<Witness>& witness, const Reference& present, const Frame& frame,
                const TrackingState& state, const AlignOptions& options, AlignScratch& scratch) {
   const auto support_now = [&] {
-    return support(witness->reference, frame, witness->alignment, state.usual_sigma,
-                   state.usual_sigma, options, scratch);
+    return support_within(largest_fitting(state.usual_sigma, state.usual_sigma), witness->reference,
+                          frame, witness->alignment, options, scratch);
   };
   if (witness) {
     witness->alignment = chained(witness->alignment, state.alignment);
     const MotionSupport now = support_now();
-    const bool one_motion = state.moving_object_frames == 0 && state.doubtful_frames == 0;
-    if (one_motion ? now.in_view >= kStillInView && now.intensity > kStillFresh * witness->explained
-                   : now.in_view >= kLeastInView)
+    if (expects_one_motion(state)
+            ? now.in_view >= kStillInView && now.intensity > kStillFresh * witness->explained
+            : now.in_view >= kLeastInView)
       return;
   }
   if (!witness) witness.emplace();
