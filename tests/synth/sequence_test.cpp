@@ -178,6 +178,39 @@ TEST(SyntheticSequence, ExposureTimeBlursMotion) {
   EXPECT_LT(contrast(blurred), 0.95 * contrast(sharp));
 }
 
+// The row at a share of the height is seen from where the camera is then; a Kinect's depth as well,
+// that of others from where it is at the middle row.
+TEST(SyntheticSequence, ReadoutTimeGivesEachRowItsOwnPose) {
+  constexpr int kFrame = 40, kRow = 100;
+  constexpr double kReadout = 0.1, kRate = 30, kRows = 120;
+  for (const SensorKind kind : {SensorKind::kKinect1, SensorKind::kStereo}) {
+    SequenceOptions at_once = exact(MovingThing::kNone);
+    at_once.sensor.kind = kind;
+    SequenceOptions rolling = at_once;
+    rolling.readout_time = kReadout;
+    const RgbdImage image = make_frame(make_sequence(rolling, kSmall), kFrame);
+    // All rows at the time of that one: a frame of a faster camera.
+    SequenceOptions fast = at_once;
+    fast.rate = 1000;
+    fast.frames = 2000;
+    const double seconds = kFrame / kRate + ((kRow + 2) / kRows - 0.5) * kReadout;
+    const RgbdImage then =
+        make_frame(make_sequence(fast, kSmall), static_cast<int>(std::lround(seconds * fast.rate)));
+    const RgbdImage middle = make_frame(make_sequence(at_once, kSmall), kFrame);
+    const auto off = [&](const RgbdImage& other) {
+      return cv::norm(image.bgr.row(kRow), other.bgr.row(kRow), cv::NORM_L1);
+    };
+    EXPECT_LT(off(then), 0.2 * off(middle));
+    const auto depth_off = [&](const RgbdImage& other) {
+      return cv::norm(image.depth.row(kRow), other.depth.row(kRow), cv::NORM_L1);
+    };
+    if (kind == SensorKind::kKinect1)
+      EXPECT_LT(depth_off(then), 0.2 * depth_off(middle));
+    else
+      EXPECT_EQ(depth_off(middle), 0);
+  }
+}
+
 TEST(SyntheticSequence, RecordedTrajectoryGivesTheLengthAndTheMotion) {
   Trajectory recorded;
   for (int i = 0; i <= 100; ++i)

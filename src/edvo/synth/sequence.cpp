@@ -2,6 +2,7 @@
 #include "edvo/synth/sequence.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/synth/parallel.hpp"
 #include "edvo/synth/random.hpp"
 #include "edvo/synth/rays.hpp"
 
@@ -70,9 +71,35 @@ std::vector<int> kept_frames(const SequenceOptions& options) {
   return kept;
 }
 
-Render render_at(const SyntheticSequence& sequence, double seconds) {
+Render render_at_once(const SyntheticSequence& sequence, double seconds) {
   return render(sequence.scene, seconds, pose_at(sequence.path, seconds), sequence.rays,
                 sequence.threads);
+}
+
+// A few rows after the other, by the camera's pose at the time of each few; the middle one's is
+// that of the picture.
+Render render_by_rows(const SyntheticSequence& sequence, double seconds) {
+  constexpr int kRows = 4;
+  const int width = sequence.rays.cols - 1, height = sequence.rays.rows - 1;
+  Render whole{.bgr = cv::Mat_<cv::Vec3f>(height, width),
+               .depth = cv::Mat_<float>(height, width),
+               .incidence = cv::Mat_<float>(height, width)};
+  for_each_block((height + kRows - 1) / kRows, sequence.threads, [&](int block) {
+    const cv::Range rows(block * kRows, std::min(height, (block + 1) * kRows));
+    const double share = 0.5 * (rows.start + rows.end) / height - 0.5;
+    const double then = seconds + share * sequence.options.readout_time;
+    const Render part = render(sequence.scene, then, pose_at(sequence.path, then),
+                               sequence.rays.rowRange(rows.start, rows.end + 1), 1);
+    part.bgr.copyTo(whole.bgr.rowRange(rows));
+    part.depth.copyTo(whole.depth.rowRange(rows));
+    part.incidence.copyTo(whole.incidence.rowRange(rows));
+  });
+  return whole;
+}
+
+Render render_at(const SyntheticSequence& sequence, double seconds) {
+  return sequence.options.readout_time == 0 ? render_at_once(sequence, seconds)
+                                            : render_by_rows(sequence, seconds);
 }
 
 // The mean of pictures taken while the shutter is open; depth is of the middle of that time.
@@ -146,8 +173,11 @@ RgbdImage make_frame(const SyntheticSequence& sequence, int index) {
   const double seconds = time_of(options, number);
   Render exact = render_at(sequence, seconds);
   if (options.exposure_time > 0) blur_motion(sequence, seconds, exact);
-  if (const double delay = depth_delay(options.sensor); delay > 0) {
-    const Render before = render_at(sequence, seconds - delay);
+  // The second camera of a Kinect has a rolling shutter as well; those of others have none.
+  const double delay = depth_delay(options.sensor);
+  const bool is_global = options.readout_time != 0 && options.sensor.kind != SensorKind::kKinect1;
+  if (delay > 0 || is_global) {
+    const Render before = render_at_once(sequence, seconds - delay);
     exact.depth = before.depth;
     exact.incidence = before.incidence;
   }

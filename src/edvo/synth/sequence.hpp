@@ -29,6 +29,7 @@ struct SequenceOptions {
   double path_length = 0;    // [m]
   double rate = 30;          // [Hz]
   double exposure_time = 0;  // [s]
+  double readout_time = 0;   // [s]
   MovingThing moving = MovingThing::kNone;
   double moving_share = 0.25;  // [0..1]
   double texture = 1;          // [0..1]
@@ -49,6 +50,8 @@ void visit_fields(Self& self, Visitor&& visit) {
         "of rounds: walk this far, however many frames that takes; 0 = for so many frames [m]");
   visit("rate", self.rate, Range{1, 1000}, "frames per second [Hz]");
   visit("exposure_time", self.exposure_time, Range{0, 0.2}, "blurs motion; 0 = none [s]");
+  visit("readout_time", self.readout_time, Range{-0.1, 0.1},
+        "rolling shutter: the last row of an image is this much later than the first [s]");
   visit("moving", self.moving, Range{},
         "what moves on its own, before the camera in the middle of the sequence");
   visit("moving_share", self.moving_share, Range{0.05, 1},
