@@ -28,6 +28,9 @@ void print_counts(const RunSummary& summary) {
           counted(counts.restarted, "frame"));
   if (counts.dropped > 0) print("           {} dropped, as later ones had come\n", counts.dropped);
   print("keyframes  {}\n", summary.keyframes);
+  if (summary.readout_seconds != 0)
+    print("shutter    rolling, {:.1f} ms from the first row to the last, as estimated\n",
+          1e3 * summary.readout_seconds);
   print("path       {:.3f} m{}\n", summary.path_length,
         summary.run.is_depth_assumed
             ? fmt::format(", if depth has {} units per metre, which is assumed (--depth-scale)",

@@ -77,6 +77,7 @@ class FrameResult:
     inlier_ratio: float  # [0..1] of the points in view
     overlap: float  # [0..1] of the keyframe's points in view
     rms: float  # photometric, of inliers [grey levels]
+    readout_seconds: float  # of a rolling shutter as estimated so far [s], 0 = global
     new_keyframe: str | None  # why the frame became a keyframe; None if it did not
     levels: tuple[LevelStats, ...]  # coarse to fine
     milliseconds: dict[str, float]  # where the time went [ms]

@@ -71,6 +71,7 @@ nb::dict result_dict(const FrameResult& result) {
   values["inlier_ratio"] = result.inlier_ratio;
   values["overlap"] = result.overlap;
   values["rms"] = result.rms;
+  values["readout_seconds"] = result.readout_seconds;
   values["loss_cause"] = std::string(name_of(result.loss_cause));
   values["segment"] = result.segment;
   values["keyframe"] = result.keyframe;

@@ -52,6 +52,7 @@ class LevelProblem {
         current_(frame.levels[level]),
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
+        readout_(frame.readout()),
         options_(options),
         scratch_(scratch),
         prior_(prior),
@@ -60,7 +61,7 @@ class LevelProblem {
   // NaN where a point is not in view. Computed once for an alignment that is asked for again.
   [[nodiscard]] const std::vector<float>& residuals(const Alignment& alignment) const {
     if (!residuals_at_ || !same(alignment, *residuals_at_)) {
-      photometric_residuals(reference_, current_, alignment, scratch_.residuals);
+      photometric_residuals(reference_, current_, readout_, alignment, scratch_.residuals);
       residuals_at_ = alignment;
     }
     return scratch_.residuals;
@@ -148,7 +149,8 @@ class LevelProblem {
 
   [[nodiscard]] const DepthAssociations& associations(const SE3& cur_from_ref) const {
     if (scratch_.associations.is_stale(cur_from_ref, full_camera_))
-      associate_depth(surface_, full_camera_, depth_, cur_from_ref, scratch_.associations);
+      associate_depth(surface_, full_camera_, depth_, readout_, cur_from_ref,
+                      scratch_.associations);
     return scratch_.associations;
   }
 
@@ -192,6 +194,7 @@ class LevelProblem {
   const Level& current_;
   const Camera& full_camera_;
   const Depth& depth_;
+  Vector6d readout_;
   const AlignOptions& options_;
   AlignScratch& scratch_;
   PositionPrior prior_;

@@ -25,6 +25,7 @@ struct AlignOptions {
   int max_iterations = 30;
   double step_tolerance = 0.05;  // [px]
   bool brightness = true;
+  bool rolling_shutter = true;
   double depth_weight = 0.2;
   double depth_noise = 0.003;    // [1 / m]
   int surface_cell = 14;         // [px]
@@ -47,6 +48,8 @@ void visit_fields(Self& self, Visitor&& visit) {
   visit("min_sigma", self.min_sigma, Range{0.01, 255},
         "least sigma of photometric residuals; above it the data decide [grey levels]");
   visit("brightness", self.brightness, Range{}, "estimate gain and bias of each frame");
+  visit("rolling_shutter", self.rolling_shutter, Range{},
+        "estimate how long the camera takes to read an image row by row, and allow for it");
   visit("depth_weight", self.depth_weight, Range{0, 1e3},
         "weight of the point-to-plane residuals of depth; 0 = off");
   visit("depth_noise", self.depth_noise, Range{1e-6, 1},

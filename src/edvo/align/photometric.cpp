@@ -36,10 +36,14 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     const Float8 px = simd::Load(&reference.x[i]).value;
     const Float8 py = simd::Load(&reference.y[i]).value;
     const Float8 pz = simd::Load(&reference.z[i]).value;
-    const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
+    Float8 x = r[0] * px + r[1] * py + r[2] * pz + t[0];
+    Float8 y = r[3] * px + r[4] * py + r[5] * pz + t[1];
+    Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
+    if (!warp.rows.is_none)
+      move_by_share(warp.rows, -warp.rows.share(fy * y / z + cy), x, y, z, Float8{} + 1.F);
     const Float8 inverse_z = 1.F / z;
-    const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + cx;
-    const Float8 v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + cy;
+    const Float8 u = fx * x * inverse_z + cx;
+    const Float8 v = fy * y * inverse_z + cy;
     const Int8 visible =
         (pz > 0.F) & (z > kNearest) & (u >= 1.F) & (v >= 1.F) & (u < limit_u) & (v < limit_v);
     const Int8 column = simd::ToInt8(u).value & visible;
@@ -185,9 +189,10 @@ void add(const ColumnSums& block, double gain, PhotometricSums& sums) {
 }  // namespace
 
 void photometric_residuals(const ReferenceLevel& reference, const Level& current,
-                           const Alignment& alignment, std::vector<float>& residuals) {
+                           const Vector6d& readout, const Alignment& alignment,
+                           std::vector<float>& residuals) {
   residuals.resize(reference.x.size());
-  residual_loop(reference, current.gray, make_warp(alignment.cur_from_ref, current.camera),
+  residual_loop(reference, current.gray, make_warp(alignment.cur_from_ref, current.camera, readout),
                 static_cast<float>(alignment.gain), static_cast<float>(alignment.bias),
                 residuals.data());
 }

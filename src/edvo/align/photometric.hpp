@@ -39,9 +39,10 @@ struct PhotometricSums {
 };
 
 // Residuals I_current(pi(T p)) - gain I_reference - bias of every point [grey levels]; NaN where
-// out of view, and behind the last point up to a multiple of kLanes.
+// out of view, and behind the last point up to a multiple of kLanes. current, readout: of a frame.
 void photometric_residuals(const ReferenceLevel& reference, const Level& current,
-                           const Alignment& alignment, std::vector<float>& residuals);
+                           const Vector6d& readout, const Alignment& alignment,
+                           std::vector<float>& residuals);
 
 // The robust cost alone, as below.
 [[nodiscard]] double photometric_cost(const ReferenceLevel& reference,

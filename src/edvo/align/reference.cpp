@@ -2,6 +2,7 @@
 #include "edvo/align/reference.hpp"
 
 #include "edvo/align/bilinear.hpp"
+#include "edvo/align/warp.hpp"
 #include "edvo/simd/dispatch.hpp"
 #include "edvo/simd/float8.hpp"
 
@@ -29,6 +30,7 @@ struct LevelConstants {
   float fx, fy, cx, cy;      // of the full image
   float level_fx, level_fy;  // of the level
   float softness_squared;
+  RowMotion rows;
 };
 
 // Of the points that lie inside the level's image; returns how many. out: kArrays arrays with room
@@ -54,7 +56,8 @@ EDVO_CLONES std::size_t fill_level(const SelectedPixel* pixels, std::size_t coun
     Samples image;
     sample(gray, within ? u : Float8{} + 1.F, within ? v : Float8{} + 1.F, image);
     const Float8 &gx = image.gx, &gy = image.gy;
-    const Float8 px = (x - c.cx) / c.fx * z, py = (y - c.cy) / c.fy * z;
+    Float8 px = (x - c.cx) / c.fx * z, py = (y - c.cy) / c.fy * z;
+    if (!c.rows.is_none) move_by_share(c.rows, c.rows.share(y), px, py, z, Float8{} + 1.F);
     // d (u, v) / d xi for a point moved by exp(xi), contracted with the image gradient.
     const Float8 inverse_z = 1.F / z;
     const Float8 a = gx * c.level_fx * inverse_z, b = gy * c.level_fy * inverse_z;
@@ -92,6 +95,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
   Reference reference = std::move(recycled);
   reference.levels.resize(frame.levels.size());
   reference.surface.clear();
+  reference.velocity = frame.velocity;
   const Camera& full = frame.levels.front().camera;
   for (std::size_t l = 0; l < frame.levels.size(); ++l) {
     const Level& source = frame.levels[l];
@@ -117,8 +121,9 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
                               .cy = static_cast<float>(full.cy),
                               .level_fx = static_cast<float>(source.camera.fx),
                               .level_fy = static_cast<float>(source.camera.fy),
-                              .softness_squared = static_cast<float>(
-                                  options.gradient_weight_scale * options.gradient_weight_scale)},
+                              .softness_squared = static_cast<float>(options.gradient_weight_scale *
+                                                                     options.gradient_weight_scale),
+                              .rows = row_motion(frame.readout(), full.height)},
                              out.data());
     for (std::vector<float>* array : arrays) {
       array->resize(level.count);

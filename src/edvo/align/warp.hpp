@@ -23,10 +23,49 @@ struct Pinhole {
   float fx, fy, cx, cy;  // [px]
 };
 
+// A rolling shutter: how the camera moves while the rows of an image are read (Frame::readout).
+struct RowMotion {
+  std::array<float, 3> rho, phi;  // [m], [rad] from the first row to the last
+  float per_row;                  // 1 / rows
+  bool is_none;
+
+  // [-1/2..1/2] of the image's height.
+  template <typename Value>
+  [[nodiscard]] Value share(const Value& row) const {
+    return row * per_row - 0.5F;
+  }
+};
+
+// Moves a point by the camera's motion in a share of the readout: from where the camera is when it
+// sees that row to where it is when it sees the middle one, or back with the share negated. A point
+// may be given times an inverse depth.
+template <typename Value>
+[[gnu::always_inline]] inline void move_by_share(const RowMotion& m, const Value& share, Value& x,
+                                                 Value& y, Value& z, const Value& inverse_depth) {
+  const Value dx = m.phi[1] * z - m.phi[2] * y + m.rho[0] * inverse_depth;
+  const Value dy = m.phi[2] * x - m.phi[0] * z + m.rho[1] * inverse_depth;
+  const Value dz = m.phi[0] * y - m.phi[1] * x + m.rho[2] * inverse_depth;
+  x += share * dx;
+  y += share * dy;
+  z += share * dz;
+}
+
 struct Warp {
   RigidMotion motion;
   Pinhole camera;
+  RowMotion rows;  // of the frame that points are moved to
 };
+
+[[nodiscard]] inline RowMotion row_motion(const Vector6d& readout, int height) {
+  RowMotion rows{};
+  for (int i = 0; i < 3; ++i) {
+    rows.rho[static_cast<std::size_t>(i)] = static_cast<float>(readout[i]);
+    rows.phi[static_cast<std::size_t>(i)] = static_cast<float>(readout[3 + i]);
+  }
+  rows.per_row = 1.F / static_cast<float>(height);
+  rows.is_none = readout.isZero(0);
+  return rows;
+}
 
 [[nodiscard]] inline RigidMotion rigid_motion(const SE3& motion) {
   RigidMotion plain{};
@@ -45,8 +84,11 @@ struct Warp {
           .cy = static_cast<float>(camera.cy)};
 }
 
-[[nodiscard]] inline Warp make_warp(const SE3& motion, const Camera& camera) {
-  return {.motion = rigid_motion(motion), .camera = pinhole(camera)};
+[[nodiscard]] inline Warp make_warp(const SE3& motion, const Camera& camera,
+                                    const Vector6d& readout) {
+  return {.motion = rigid_motion(motion),
+          .camera = pinhole(camera),
+          .rows = row_motion(readout, camera.height)};
 }
 
 // About how far a motion of these lengths [m], [rad] moves points in the image [px].

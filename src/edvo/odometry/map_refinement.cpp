@@ -50,8 +50,10 @@ void Odometry::State::refine_all(int threads) {
   if (config.window.keyframes == 0 || config.window.final_iterations == 0) return;
   const JointOptions joint{.iterations = config.window.final_iterations, .threads = threads};
   std::map<int, std::vector<WindowKeyframe*>> segments_of;
-  for (WindowKeyframe* const key : all_keyframes())
+  for (WindowKeyframe* const key : all_keyframes()) {
+    key->readout_seconds = readout.seconds();
     segments_of[map[key->id].segment].push_back(key);
+  }
   std::map<KeyframeId, SE3> refined;
   for (const auto& [id, members] : segments_of) {
     std::vector<WindowKeyframe> together;

@@ -23,10 +23,10 @@ Frame without_depth(Frame frame) {
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  const Frame emptied = is_constant ? without_depth(image.frame) : Frame();
-  const Frame& frame = is_constant ? emptied : image.frame;
+  Frame frame = is_constant ? without_depth(image.frame) : image.frame;
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
+  result.readout_seconds = frame.readout_seconds = s.readout.seconds();
   Stopwatch total;
 
   if (s.segment.keyframe < 0) {

@@ -81,7 +81,7 @@ bool Odometry::State::begin_segment(const Frame& frame, KeyframeReason reason,
   return true;
 }
 
-bool Odometry::State::relocalize(const Frame& frame, SegmentAlignment& alignment) {
+bool Odometry::State::relocalize(Frame& frame, SegmentAlignment& alignment) {
   if (!left_segment) return false;
   SegmentAlignment other = align_in(*left_segment, frame, config, guard, scratch);
   if (other.loss != LossCause::kNone) return false;
@@ -96,7 +96,7 @@ bool Odometry::State::relocalize(const Frame& frame, SegmentAlignment& alignment
 }
 
 bool Odometry::State::refine_window() {
-  const bool more = segment.window.refine(undistortion.camera, config.window);
+  const bool more = segment.window.refine(undistortion.camera, readout.seconds(), config.window);
   for (const auto& [id, world_from_camera] : segment.window.refined())
     map.set_pose(id, world_from_camera);
   return more;
@@ -120,6 +120,10 @@ SE3 Odometry::State::world_from_camera(const FrameLink& link) const {
 
 void Odometry::State::record_tracked(const Frame& frame, const AlignResult& alignment,
                                      bool relocalized, FrameResult& result) {
+  // What moves on its own shears the image, too.
+  if (config.tracking.rolling_shutter && expects_one_motion(segment.state) && !relocalized)
+    readout.observe(
+        readout_evidence(segment.reference, frame, alignment, config.tracking, scratch));
   lost_in_a_row = 0;
   if (!has_tracked(segment.id))
     tracked_segments.insert(std::ranges::upper_bound(tracked_segments, segment.id), segment.id);
@@ -200,6 +204,7 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
     target.reference.surface =
         make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                      config.tracking.depth_noise, std::move(target.reference.surface));
+  target.reference.surface.undo_readout(frame.readout(), undistortion.camera);
   result.milliseconds.selection = watch.lap();
   target.keyframe = map.add(frame.stamp, target.id, world_from_camera);
   successors.emplace_back();
@@ -226,6 +231,8 @@ KeyframePtr Odometry::State::newest_keyframe(bool with_colour) const {
   keyframe->stamp = key.stamp;
   keyframe->segment = key.segment;
   keyframe->world_from_camera = key.world_from_camera;
+  keyframe->velocity = keyframe_frame.velocity;
+  keyframe->readout_seconds = keyframe_frame.readout_seconds;
   keyframe->gray = keyframe_frame.levels.front().gray;
   if (with_colour) keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
   keyframe->depth = keyframe_frame.depth.undistorted();

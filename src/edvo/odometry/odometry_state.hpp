@@ -4,6 +4,7 @@
 
 #include "edvo/odometry/keyframe_policy.hpp"
 #include "edvo/odometry/odometry.hpp"
+#include "edvo/odometry/readout_time.hpp"
 #include "edvo/odometry/segment.hpp"
 
 #include <chrono>
@@ -48,6 +49,7 @@ struct Odometry::State {
   std::unique_ptr<EdgeDetector> detector;
   KeyframePolicy policy;
   MovingObjectGuard guard;
+  ReadoutTime readout;
   AlignScratch scratch;
 
   Map map;
@@ -89,7 +91,7 @@ struct Odometry::State {
 
   // Aligns a frame that the present segment lost to left_segment; if it fits there, that becomes
   // the present one, and the other is kept in its place if it had a few tracked frames.
-  bool relocalize(const Frame& frame, SegmentAlignment& alignment);
+  bool relocalize(Frame& frame, SegmentAlignment& alignment);
 
   // Links the frame to the present segment's keyframe and fills in the result.
   void record_tracked(const Frame& frame, const AlignResult& alignment, bool relocalized,

@@ -26,6 +26,7 @@ Config preset(Method method) {
       config.keyframes = {.period = 1};
       config.motion.acceleration = 0;
       config.tracking.depth_weight = 0;
+      config.tracking.rolling_shutter = false;
       config.tracking.loss = Loss::kHuber;  // Eq. 6
       config.tracking.loss_parameter = 1.345;
       config.window.keyframes = 0;

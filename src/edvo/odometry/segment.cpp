@@ -2,6 +2,7 @@
 #include "edvo/odometry/segment.hpp"
 
 #include "edvo/odometry/loss_test.hpp"
+#include "edvo/odometry/readout_time.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -32,6 +33,24 @@ Guesses guesses(const Segment& segment, const Frame& frame, const MotionCandidat
   Guesses sorted;
   for (const auto& [cost, i] : costs) sorted.push_back(all[i]);
   return sorted;
+}
+
+// Of a rolling shutter's image: the last level is aligned with the velocity that the others tell.
+AlignResult align_by_rows(const Segment& segment, Frame& frame, const Alignment& guess,
+                          const AlignOptions& options, AlignScratch& scratch,
+                          const PositionPrior& prior) {
+  if (frame.readout_seconds == 0 || options.finest_level >= options.coarsest_level)
+    return align(segment.reference, frame, guess, options, scratch, prior);
+  AlignOptions coarse = options, fine = options;
+  ++coarse.finest_level;
+  fine.coarsest_level = fine.finest_level;
+  const AlignResult begun = align(segment.reference, frame, guess, coarse, scratch, prior);
+  frame.velocity = velocity_since(segment.state, begun.alignment.cur_from_ref, frame.stamp);
+  AlignResult result = align(segment.reference, frame, begun.alignment, fine, scratch, prior);
+  LevelList levels = begun.levels;
+  for (const LevelStats& level : result.levels) levels.push_back(level);
+  result.levels = levels;
+  return result;
 }
 
 // A search from far guesses, wherever the views still overlap: the alignment of least residuals.
@@ -87,15 +106,16 @@ void ask_witness(const Witness& witness, const MotionEvidence& evidence, const C
 
 }  // namespace
 
-SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
+SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
                           const MovingObjectGuard& guard, AlignScratch& scratch) {
   TrackingState state = segment.state;
   const SE3 velocity = constant_velocity(state, frame.stamp);
   const PositionPrior prior = position_prior(state, frame.stamp, config.motion.acceleration);
   AlignResult result;
+  frame.velocity = velocity_since(state, velocity * state.alignment.cur_from_ref, frame.stamp);
   const MotionCandidates near = segment.predictor.candidates(frame, velocity, config, scratch);
   for (const Alignment& guess : guesses(segment, frame, near, config, scratch)) {
-    result = align(segment.reference, frame, guess, config.tracking, scratch, prior);
+    result = align_by_rows(segment, frame, guess, config.tracking, scratch, prior);
     if (result.status == AlignStatus::kTracked) break;
   }
   result = guard.check(result, segment.reference, frame, velocity, prior, state, scratch);
@@ -113,7 +133,10 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
   }
   SegmentAlignment aligned = {
       .result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
-  if (loss != LossCause::kNone) return aligned;
+  if (loss != LossCause::kNone) {
+    frame.velocity.setZero();
+    return aligned;
+  }
   const MotionEvidence evidence = {.reference = segment.reference,
                                    .frame = frame,
                                    .candidates = near,
@@ -136,6 +159,9 @@ SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& co
       break;
   }
   if (segment.witness) ask_witness(*segment.witness, evidence, config, scratch, aligned);
+  frame.velocity = aligned.loss == LossCause::kNone
+                       ? velocity_since(state, aligned.result.alignment.cur_from_ref, frame.stamp)
+                       : Vector6d::Zero();
   return aligned;
 }
 

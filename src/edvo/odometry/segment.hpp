@@ -37,8 +37,8 @@ struct SegmentAlignment {
 // Aligns a frame to the segment's reference keyframe: from predicted motions; tested for loss; if
 // lost though the image is usable, once more from far guesses; and judged for a second motion,
 // which may be an object's; where there may be one, the witness is asked. Changes nothing that the
-// next frame reads: a lost frame leaves no trace.
-[[nodiscard]] SegmentAlignment align_in(Segment& segment, const Frame& frame, const Config& config,
+// next frame reads: a lost frame leaves no trace. Sets the frame's velocity.
+[[nodiscard]] SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
                                         const MovingObjectGuard& guard, AlignScratch& scratch);
 
 // Makes a tracked frame the last good one: what the next is predicted from and judged by.

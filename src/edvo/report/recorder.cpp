@@ -34,6 +34,7 @@ void Recorder::frame(const FrameResult& report, const Frame& image) {
                          .milliseconds = report.milliseconds,
                          .finished = std::chrono::duration<double>(Clock::now() - begun_).count(),
                          .rms = static_cast<float>(report.rms),
+                         .readout_seconds = static_cast<float>(report.readout_seconds),
                          .loss_cause = report.loss_cause,
                          .new_keyframe = report.new_keyframe.value_or(-1)});
   if (with_html_) pictures_.offer(report, image.bgr);

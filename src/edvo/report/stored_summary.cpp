@@ -143,6 +143,7 @@ RunSummary summary_from(const Json& json) {
                      .lost_events = json.at("lost_events").get<std::int64_t>(),
                      .keyframes = json.at("keyframes").get<std::int64_t>(),
                      .skipped = {},
+                     .readout_seconds = 1e-3 * maybe<double>(json, "readout_ms").value_or(0),
                      .path_length = number(json, "path_length_m"),
                      .wall_seconds = number(json, "wall_s"),
                      .peak_memory = number(json, "peak_memory_mb"),
@@ -171,13 +172,15 @@ Stamp stamp_from(const Json& json) {
 }
 
 FrameRecord frame_from(const Json& json) {
-  FrameRecord frame{.index = json.at("index").get<std::int64_t>(),
-                    .stamp = stamp_from(json),
-                    .status = named<FrameStatus>(text_of(json, "status")),
-                    .inlier_ratio = static_cast<float>(number(json, "inlier_ratio")),
-                    .overlap = static_cast<float>(number(json, "overlap")),
-                    .milliseconds = {},
-                    .rms = static_cast<float>(number(json, "rms"))};
+  FrameRecord frame{
+      .index = json.at("index").get<std::int64_t>(),
+      .stamp = stamp_from(json),
+      .status = named<FrameStatus>(text_of(json, "status")),
+      .inlier_ratio = static_cast<float>(number(json, "inlier_ratio")),
+      .overlap = static_cast<float>(number(json, "overlap")),
+      .milliseconds = {},
+      .rms = static_cast<float>(number(json, "rms")),
+      .readout_seconds = static_cast<float>(1e-3 * maybe<double>(json, "readout_ms").value_or(0))};
   if (const auto reason = maybe<std::string>(json, "keyframe_reason"))
     frame.keyframe = named<KeyframeReason>(*reason);
   if (const auto cause = maybe<std::string>(json, "loss_cause"))

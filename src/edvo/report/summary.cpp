@@ -222,6 +222,8 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
                      .error = outcome.error ? outcome.error->what() : "",
                      .evaluation = outcome.evaluation,
                      .no_evaluation = outcome.no_evaluation};
+  if (!log.frames.empty())
+    summary.readout_seconds = static_cast<double>(log.frames.back().readout_seconds);
   bool was_lost = false;
   for (const FrameRecord& frame : log.frames) {
     const bool is_lost = frame.status == FrameStatus::kLost;
@@ -247,6 +249,7 @@ std::string to_json_line(const FrameResult& report) {
                {"inlier_ratio", number(report.inlier_ratio, kRatioDecimals)},
                {"overlap", number(report.overlap, kRatioDecimals)},
                {"rms", number(report.rms, kRatioDecimals)},
+               {"readout_ms", number(1e3 * report.readout_seconds, kMillisecondDecimals)},
                {"levels", levels_array(report.levels)},
                {"loss_cause", nullptr},
                {"segment", report.segment},
@@ -324,6 +327,7 @@ std::string to_json(const RunSummary& summary) {
                {"coverage", number(summary.coverage, 6)},
                {"lost_events", summary.lost_events},
                {"keyframes", summary.keyframes},
+               {"readout_ms", number(1e3 * summary.readout_seconds, kMillisecondDecimals)},
                {"path_length_m", number(summary.path_length, 4)},
                {"wall_s", number(summary.wall_seconds, 3)},
                {"frames_per_second", number(frames_per_second(summary), 2)},

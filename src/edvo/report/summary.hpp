@@ -61,6 +61,7 @@ struct FrameRecord {
   StageTimes milliseconds;
   double finished = 0;  // wall time since the run began [s]
   float rms = 0;        // photometric, of the inliers [grey levels]
+  float readout_seconds = 0;
   LossCause loss_cause = LossCause::kNone;
   std::int64_t new_keyframe = -1;  // that the frame became, -1 = none
 };
@@ -104,9 +105,10 @@ struct RunSummary {
   std::int64_t lost_events = 0;  // runs of consecutive lost frames
   std::int64_t keyframes = 0;
   std::vector<SkippedFrame> skipped;
-  double path_length = 0;   // of the trajectory as known at the end [m]
-  double wall_seconds = 0;  // from the first frame asked for to the last pose
-  double peak_memory = 0;   // [MB]
+  double readout_seconds = 0;  // of a rolling shutter as estimated at the end, 0 = global
+  double path_length = 0;      // of the trajectory as known at the end [m]
+  double wall_seconds = 0;     // from the first frame asked for to the last pose
+  double peak_memory = 0;      // [MB]
   std::optional<std::int64_t> slowest_second = {};  // frames, see below
   bool interrupted = false;
   std::string error;  // that ended the run, empty = none

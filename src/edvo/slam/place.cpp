@@ -39,7 +39,11 @@ cv::Mat_<cv::Vec2b> make_half_chroma(const cv::Mat_<cv::Vec3b>& bgr) {
 
 Place make_place(const Keyframe& keyframe, bool keep_colour) {
   constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();
-  Place place{.id = keyframe.id, .stamp = keyframe.stamp, .gray = keyframe.gray};
+  Place place{.id = keyframe.id,
+              .stamp = keyframe.stamp,
+              .velocity = keyframe.velocity,
+              .readout_seconds = keyframe.readout_seconds,
+              .gray = keyframe.gray};
   const cv::Mat_<float>& depth = keyframe.depth;
   place.half_depth.create((depth.rows + 1) / 2, (depth.cols + 1) / 2);
   for (int y = 0; y < place.half_depth.rows; ++y)
@@ -58,6 +62,8 @@ KeyframePtr keyframe_of(const Place& place) {
   auto keyframe = std::make_shared<Keyframe>();
   keyframe->id = place.id;
   keyframe->stamp = place.stamp;
+  keyframe->velocity = place.velocity;
+  keyframe->readout_seconds = place.readout_seconds;
   keyframe->gray = place.gray;
   cv::cvtColor(place.gray, keyframe->bgr, cv::COLOR_GRAY2BGR);
   keyframe->depth = full_depth(place);

@@ -150,6 +150,8 @@ std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
 KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame, const Camera& camera,
                        const AlignOptions& tracking) {
   KeyframeView view{.keyframe = keyframe, .frame = frame, .reference = {}};
+  view.frame.velocity = keyframe->velocity;
+  view.frame.readout_seconds = keyframe->readout_seconds;
   view.reference = make_reference(view.frame, selected_pixels(*keyframe, camera),
                                   {.gradient_weight_scale = tracking.gradient_weight_scale,
                                    .finest_level = tracking.finest_level,
@@ -157,6 +159,7 @@ KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame, const Ca
   if (tracking.depth_weight > 0)
     view.reference.surface =
         make_surface(keyframe->depth, camera, tracking.surface_cell, tracking.depth_noise);
+  view.reference.surface.undo_readout(view.frame.readout(), camera);
   return view;
 }
 

@@ -31,11 +31,15 @@ void KeyframeWindow::add(std::int64_t id, const Frame& frame, const SE3& world_f
   waiting_ = true;
 }
 
-bool KeyframeWindow::refine(const Camera& camera, const WindowOptions& options) {
+bool KeyframeWindow::refine(const Camera& camera, double readout_seconds,
+                            const WindowOptions& options) {
   const bool begins = waiting_;
   waiting_ = false;
   refined_.clear();
-  if (begins) choose_members(camera, options);
+  if (begins) {
+    for (WindowKeyframe& key : recent_) key.readout_seconds = readout_seconds;
+    choose_members(camera, options);
+  }
   if (!begins && refinement_.finished) return false;
   std::vector<WindowKeyframe> window;
   for (const std::size_t k : members_) window.push_back(std::move(recent_[k]));

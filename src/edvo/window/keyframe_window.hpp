@@ -20,7 +20,7 @@ class KeyframeWindow {
   // Refines the keyframe added last together with those before it, held by older ones with the same
   // view: some steps at a time, to be called until nothing is left to do (false) or the next
   // keyframe is there.
-  bool refine(const Camera& camera, const WindowOptions& options);
+  bool refine(const Camera& camera, double readout_seconds, const WindowOptions& options);
 
   struct Pose {
     std::int64_t id;  // of the keyframe, as given to add()

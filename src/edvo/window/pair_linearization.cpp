@@ -162,6 +162,8 @@ PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& tar
   g.bias_host = static_cast<float>(host.bias);
   g.bias_target = static_cast<float>(target.bias);
   g.inverse_host_gain = static_cast<float>(1 / host.gain);
+  g.host_rows = row_motion(host.readout_seconds * host.velocity, target.gray.rows);
+  g.target_rows = row_motion(target.readout_seconds * target.velocity, target.gray.rows);
   return g;
 }
 
@@ -199,12 +201,27 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       simd::store(coupling + now * kN, Float8{});
       const float rho = static_cast<float>(point.inverse_depth);
       const float tx = rho * t[0], ty = rho * t[1], tz = rho * t[2];
-      const Float8 rx = (point.u + pattern_x - cx) / fx;
-      const Float8 ry = (point.v + pattern_y - cy) / fy;
-      const Float8 qz = R[6] * rx + R[7] * ry + (R[8] + tz);  // rho times the point in the target
+      Float8 rx = (point.u + pattern_x - cx) / fx;
+      Float8 ry = (point.v + pattern_y - cy) / fy;
+      Float8 qx, qy, qz;  // rho times the point in the target
+      if (g.host_rows.is_none && g.target_rows.is_none) {
+        qx = R[0] * rx + R[1] * ry + (R[2] + tx);
+        qy = R[3] * rx + R[4] * ry + (R[5] + ty);
+        qz = R[6] * rx + R[7] * ry + (R[8] + tz);
+      } else {
+        const Float8 inverse_depth = Float8{} + rho;
+        Float8 rz = Float8{} + 1.F;
+        move_by_share(g.host_rows, Float8{} + g.host_rows.share(point.v), rx, ry, rz,
+                      inverse_depth);
+        qx = R[0] * rx + R[1] * ry + (R[2] * rz + tx);
+        qy = R[3] * rx + R[4] * ry + (R[5] * rz + ty);
+        qz = R[6] * rx + R[7] * ry + (R[8] * rz + tz);
+        move_by_share(g.target_rows, -g.target_rows.share(fy * qy / qz + cy), qx, qy, qz,
+                      inverse_depth);
+      }
       const Float8 iz = 1.F / qz;
-      const Float8 x = (R[0] * rx + R[1] * ry + (R[2] + tx)) * iz;
-      const Float8 y = (R[3] * rx + R[4] * ry + (R[5] + ty)) * iz;
+      const Float8 x = qx * iz;
+      const Float8 y = qy * iz;
       const Float8 u = fx * x + cx;
       const Float8 v = fy * y + cy;
       const Int8 fits =

@@ -26,6 +26,7 @@ struct PairGeometry {
   Matrix6d adjoint;
   float gain, bias_host, bias_target;
   float inverse_host_gain;
+  RowMotion host_rows, target_rows;
 };
 
 // What does not change during a linearization.
