@@ -99,6 +99,26 @@ TEST(Witness, CorrectsRelativeToThePresentKeyframe) {
   EXPECT_NEAR(b.bias + b.gain * -3, a.bias, 1);
 }
 
+// After a large motion a wrong one may explain a few cells more, with residuals far above the
+// usual.
+TEST(Witness, CorrectsByNoMotionThatFitsFarWorseThanUsual) {
+  Frame frame = behind_board(kMoved, 0.4, 0);
+  cv::Mat noise(frame.levels.front().gray.size(), CV_16S);
+  cv::RNG random(3);
+  random.fill(noise, cv::RNG::NORMAL, 0, 30);
+  for (Level& level : frame.levels) {
+    level.gray = level.gray.clone();
+    const cv::Mat here = noise(cv::Rect(0, 0, level.gray.cols, level.gray.rows));
+    cv::add(level.gray, here, level.gray, cv::noArray(), CV_8U);
+  }
+  const SE3 pulled = motion(0.1, 0, 0, 0, 0, 0) * inverse(kMoved);
+  Scene scene;
+  scene.state.usual_sigma = 30;
+  EXPECT_TRUE(scene.ask(frame, pulled).correction);
+  scene.state.usual_sigma = 3;
+  EXPECT_FALSE(scene.ask(frame, pulled).correction);
+}
+
 TEST(Witness, ContradictsWhoFollowsABoardThatHidesTheRest) {
   Scene scene;
   const Testimony said =

@@ -17,6 +17,7 @@ constexpr double kStillInView = 0.9;      // the same, of its points
 constexpr double kContradicted = 0.6;     // of what was explained at first, and of the present one
 constexpr double kLeastBehind = 0.25;     // of its cells in view that are not hidden, to tell
 constexpr double kClearlyMore = 0.1;      // of image and depth together, by another motion
+constexpr double kMostGrown = 2.5;  // times the usual sigma: no motion that explains the witness
 
 // Shares of the witness's flat pieces with depth [0..1], and how much nearer and farther are.
 constexpr double kSomeInFront = 0.15, kMuchInFront = 0.3;
@@ -84,6 +85,7 @@ Testimony question(const Witness& witness, const AlignResult& result, double exp
   }
   Testimony said = {.in_front = in_front(of_claimed)};
   if (other.status == AlignStatus::kTracked && of_other.intensity >= kLeastExplained &&
+      other.sigma < kMostGrown * sigma_baseline(evidence.state) &&
       of_other.intensity + of_other.depth >
           of_claimed.intensity + of_claimed.depth + kClearlyMore &&
       mean_flow(witness.reference, options.finest_level, claimed.cur_from_ref,
