@@ -242,7 +242,7 @@ TEST(Surface, SigmaIsTheNoiseOfTheSensorOnceAligned) {
   const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
   const auto sigma = [&](const SurfacePoints& points, const Depth& depth, const SE3& pose) {
     DepthAssociations associations;
-    associate_depth(points, kVgaCamera, depth, Vector6d::Zero(), pose, associations);
+    associate_depth(points, kVgaCamera, depth, pose, associations);
     std::vector<float> room;
     return surface_sigma(points, associations, pose, room);
   };
@@ -261,7 +261,7 @@ TEST(Surface, WhatWasSeenIsStaleOncePointsHaveMovedAPixel) {
   const SurfacePoints surface = make_surface(key.depth, kVgaCamera, 12, 0.003);
   DepthAssociations associations;
   EXPECT_TRUE(associations.is_stale({}, kVgaCamera));
-  associate_depth(surface, kVgaCamera, key.depth, Vector6d::Zero(), {}, associations);
+  associate_depth(surface, kVgaCamera, key.depth, {}, associations);
   EXPECT_FALSE(associations.is_stale(motion(0.002, 0, 0, 0, 0, 0), kVgaCamera));
   EXPECT_FALSE(associations.is_stale(motion(0, 0, 0, 0, 0.0015, 0), kVgaCamera));
   EXPECT_TRUE(associations.is_stale(motion(0.01, 0, 0, 0, 0, 0), kVgaCamera));

@@ -32,7 +32,6 @@ const SE3 kMoved = motion(0.05, -0.03, 0.02, 0.01, 0.02, -0.01);
 Reference reference_of(const Frame& frame) {
   Reference reference = make_reference(frame, grid_pixels(frame, 9), {});
   reference.surface = make_surface(frame.depth, kVgaCamera, 14, 0.003);
-  reference.surface.undo_readout(frame.readout(), kVgaCamera);
   return reference;
 }
 
@@ -66,19 +65,6 @@ TEST(RollingShutter, AnAlignmentThatKnowsOfItFindsThePose) {
   EXPECT_THAT(with.alignment.cur_from_ref, NearPose(inverse(kMoved), 4e-4));
   const AlignResult without = align(reference_of(all_at_once(key)), all_at_once(current), {}, {});
   EXPECT_THAT(without.alignment.cur_from_ref, testing::Not(NearPose(inverse(kMoved), 2e-3)));
-}
-
-TEST(RollingShutter, DepthAloneFindsWhatItTells) {
-  const Frame key = rolling_plane_frame({}, kFirst, kReadout);
-  const Frame current = rolling_plane_frame(kMoved, kSecond, kReadout);
-  const auto off_plane = [](const Frame& from, const Frame& to) {
-    const SurfacePoints surface = reference_of(from).surface;
-    DepthAssociations seen;
-    associate_depth(surface, kVgaCamera, to.depth, to.readout(), inverse(kMoved), seen);
-    std::vector<float> room;
-    return surface_sigma(surface, seen, inverse(kMoved), room);
-  };
-  EXPECT_LT(off_plane(key, current), 0.2F * off_plane(all_at_once(key), all_at_once(current)));
 }
 
 TEST(RollingShutter, ItsReadoutTimeIsSeenInTheResiduals) {

@@ -17,19 +17,17 @@ inline constexpr SyntheticPlane kPlane{.distance = 2.0};
                     make_undistortion({kVgaCamera, {}}));
 }
 
-// As a rolling shutter sees the wall: each row at its own time, the middle one at the pose. Depth,
-// too, is read row by row.
+// As a rolling shutter sees the wall: each row at its own time, the middle one at the pose. Depth is
+// that of all rows at once.
 [[nodiscard]] inline Frame rolling_plane_frame(const SE3& world_from_camera,
                                                const Vector6d& velocity, double readout_seconds) {
   RgbdImage image = render_plane(kPlane, kVgaCamera, world_from_camera);
   for (int y = 0; y < image.bgr.rows; ++y) {
     const double share = static_cast<double>(y) / image.bgr.rows - 0.5;
     const SE3 pose = world_from_camera * exp(share * readout_seconds * velocity);
-    for (int x = 0; x < image.bgr.cols; ++x) {
+    for (int x = 0; x < image.bgr.cols; ++x)
       image.bgr(y, x) =
           cv::Vec3b::all(cv::saturate_cast<uchar>(intensity_at(kPlane, kVgaCamera, pose, x, y)));
-      image.depth(y, x) = static_cast<float>(depth_at(kPlane, kVgaCamera, pose, x, y));
-    }
   }
   Frame frame = make_frame(image, make_undistortion({kVgaCamera, {}}));
   frame.velocity = velocity;

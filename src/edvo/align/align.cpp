@@ -149,8 +149,7 @@ class LevelProblem {
 
   [[nodiscard]] const DepthAssociations& associations(const SE3& cur_from_ref) const {
     if (scratch_.associations.is_stale(cur_from_ref, full_camera_))
-      associate_depth(surface_, full_camera_, depth_, readout_, cur_from_ref,
-                      scratch_.associations);
+      associate_depth(surface_, full_camera_, depth_, cur_from_ref, scratch_.associations);
     return scratch_.associations;
   }
 

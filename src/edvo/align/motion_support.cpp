@@ -130,7 +130,7 @@ MotionSupport motion_support(const Reference& reference, const Frame& frame, int
   const auto l = static_cast<std::size_t>(level);
   MotionSupport support;
   const Camera& camera = frame.levels.front().camera;
-  associate_depth(reference.surface, camera, frame.depth, frame.readout(), alignment.cur_from_ref,
+  associate_depth(reference.surface, camera, frame.depth, alignment.cur_from_ref,
                   scratch.associations);
   const CellMask hidden = add_depth(reference.surface, camera, scratch.associations,
                                     alignment.cur_from_ref, limits.depth, support);

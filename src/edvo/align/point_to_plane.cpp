@@ -33,14 +33,10 @@ EDVO_CLONES void project_loop(const SurfacePoints& surface, const Warp& warp, cv
     const Float8 px = simd::Load(&surface.x[i]).value;
     const Float8 py = simd::Load(&surface.y[i]).value;
     const Float8 pz = simd::Load(&surface.z[i]).value;
-    Float8 x = r[0] * px + r[1] * py + r[2] * pz + t[0];
-    Float8 y = r[3] * px + r[4] * py + r[5] * pz + t[1];
-    Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
-    if (!warp.rows.is_none)
-      move_by_share(warp.rows, -warp.rows.share(fy * y / z + cy), x, y, z, Float8{} + 1.F);
+    const Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
     const Float8 inverse_z = 1.F / z;
-    const Float8 u = fx * x * inverse_z + (cx + 0.5F);
-    const Float8 v = fy * y * inverse_z + (cy + 0.5F);
+    const Float8 u = fx * (r[0] * px + r[1] * py + r[2] * pz + t[0]) * inverse_z + (cx + 0.5F);
+    const Float8 v = fy * (r[3] * px + r[4] * py + r[5] * pz + t[1]) * inverse_z + (cy + 0.5F);
     const Int8 visible =
         (pz > 0.F) & (z > kNearest) & (u >= 0.F) & (v >= 0.F) & (u < columns) & (v < rows);
     const Int8 column = simd::ToInt8(u).value & visible;
@@ -121,22 +117,18 @@ bool DepthAssociations::is_stale(const SE3& cur_from_ref, const Camera& camera) 
 }
 
 void associate_depth(const SurfacePoints& surface, const Camera& camera, const Depth& depth,
-                     const Vector6d& readout, const SE3& cur_from_ref,
-                     DepthAssociations& associations) {
+                     const SE3& cur_from_ref, DepthAssociations& associations) {
   const std::size_t count = surface.x.size();
   for (std::vector<float>* array : {&associations.x, &associations.y, &associations.z})
     array->resize(count);
   associations.pixels.resize(count);
   associations.from = cur_from_ref;
-  const Warp warp = make_warp(cur_from_ref, camera, readout);
-  project_loop(surface, warp, depth.size(), associations);
+  project_loop(surface, make_warp(cur_from_ref, camera, Vector6d::Zero()), depth.size(),
+               associations);
   depth.look_up(associations.pixels, associations.z);
   for (std::size_t i = 0; i < count; ++i) {
-    const float share = warp.rows.share(warp.camera.fy * associations.y[i] + warp.camera.cy);
     associations.x[i] *= associations.z[i];
     associations.y[i] *= associations.z[i];
-    if (!warp.rows.is_none)
-      move_by_share(warp.rows, share, associations.x[i], associations.y[i], associations.z[i], 1.F);
   }
 }
 

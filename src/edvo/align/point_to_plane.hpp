@@ -24,10 +24,9 @@ struct DepthAssociations {
   [[nodiscard]] bool is_stale(const SE3& cur_from_ref, const Camera& camera) const;
 };
 
-// camera, readout: of the depth.
+// camera: of the depth.
 void associate_depth(const SurfacePoints& surface, const Camera& camera, const Depth& depth,
-                     const Vector6d& readout, const SE3& cur_from_ref,
-                     DepthAssociations& associations);
+                     const SE3& cur_from_ref, DepthAssociations& associations);
 
 // Residuals n . (ref_from_cur x_cur) - 1, x_cur the point that was seen: a share of depth, so its
 // sigma is that of inverse depth times depth. noise: sigma of inverse depth [1 / m].

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/align/surface.hpp"
 
-#include "edvo/align/warp.hpp"
 #include "edvo/simd/float8.hpp"
 
 #include <cmath>
@@ -42,20 +41,6 @@ bool fit(const Depth& depth, int u, int v, int step, float noise, Plane& plane) 
 
 void SurfacePoints::clear() {
   for (std::vector<float>* array : {&x, &y, &z, &nx, &ny, &nz}) array->clear();
-}
-
-void SurfacePoints::undo_readout(const Vector6d& readout, const Camera& camera) {
-  const RowMotion rows = row_motion(readout, camera.height);
-  if (rows.is_none) return;
-  const Pinhole pixels = pinhole(camera);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!(z[i] > 0)) continue;
-    const float share = rows.share(pixels.fy * y[i] / z[i] + pixels.cy);
-    move_by_share(rows, share, x[i], y[i], z[i], 1.F);
-    move_by_share(rows, share, nx[i], ny[i], nz[i], 0.F);  // turned
-    const float length = nx[i] * x[i] + ny[i] * y[i] + nz[i] * z[i];
-    for (float* const n : {&nx[i], &ny[i], &nz[i]}) *n /= length;  // n . x = 1
-  }
 }
 
 SurfacePoints make_surface(const Depth& depth, const Camera& camera, int cell, double noise,

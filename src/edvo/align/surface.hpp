@@ -2,7 +2,6 @@
 // Flat pieces of a keyframe's surface, for point-to-plane alignment of depth.
 #pragma once
 
-#include "edvo/core/se3.hpp"
 #include "edvo/image/depth.hpp"
 
 #include <opencv2/core.hpp>
@@ -18,8 +17,6 @@ struct SurfacePoints {
   std::vector<float> nx, ny, nz;  // [1 / m]
 
   void clear();
-  // Moves each to where the camera is when it sees the middle row (Frame::readout).
-  void undo_readout(const Vector6d& readout, const Camera& camera);
 };
 
 // One point per cell of the image, where 3 x 3 samples of the cell lie on a plane.

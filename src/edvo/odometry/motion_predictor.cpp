@@ -117,7 +117,6 @@ void MotionPredictor::update(const Frame& frame, const Config& config) {
   if (config.tracking.depth_weight > 0)
     last_.surface = make_surface(frame.depth, frame.levels.front().camera, 2 * kGridStep,
                                  config.tracking.depth_noise, std::move(last_.surface));
-  last_.surface.undo_readout(frame.readout(), frame.levels.front().camera);
 }
 
 }  // namespace edvo

@@ -204,7 +204,6 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
     target.reference.surface =
         make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                      config.tracking.depth_noise, std::move(target.reference.surface));
-  target.reference.surface.undo_readout(frame.readout(), undistortion.camera);
   result.milliseconds.selection = watch.lap();
   target.keyframe = map.add(frame.stamp, target.id, world_from_camera);
   successors.emplace_back();

@@ -159,7 +159,6 @@ KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame, const Ca
   if (tracking.depth_weight > 0)
     view.reference.surface =
         make_surface(keyframe->depth, camera, tracking.surface_cell, tracking.depth_noise);
-  view.reference.surface.undo_readout(view.frame.readout(), camera);
   return view;
 }
 

@@ -173,7 +173,7 @@ RgbdImage make_frame(const SyntheticSequence& sequence, int index) {
   const double seconds = time_of(options, number);
   Render exact = render_at(sequence, seconds);
   if (options.exposure_time > 0) blur_motion(sequence, seconds, exact);
-  // The second camera of a Kinect has a rolling shutter as well; those of others have none.
+  // The camera that measures a Kinect's depth has a rolling shutter as well; others' have none.
   const double delay = depth_delay(options.sensor);
   const bool is_global = options.readout_time != 0 && options.sensor.kind != SensorKind::kKinect1;
   if (delay > 0 || is_global) {
