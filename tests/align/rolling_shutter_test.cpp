@@ -48,12 +48,14 @@ TEST(RollingShutter, APointMovesAsTheCameraDoesBetweenTwoRows) {
     const Eigen::Vector3d seen(0.4, -0.3, 1.5);
     const Eigen::Vector3d expected = exp((row / 480.0 - 0.5) * readout) * seen;
     Eigen::Vector3f p = seen.cast<float>();
-    move_by_share(rows, rows.share(static_cast<float>(row)), p.x(), p.y(), p.z(), 1.F);
+    move_to_middle_row(rows, static_cast<float>(row), p.x(), p.y(), p.z(), 1.F);
     EXPECT_LT((p.cast<double>() - expected).norm(), 1e-4) << row;
     // The same times an inverse depth.
     Eigen::Vector3f q = seen.cast<float>() / 1.5F;
-    move_by_share(rows, rows.share(static_cast<float>(row)), q.x(), q.y(), q.z(), 1 / 1.5F);
+    move_to_middle_row(rows, static_cast<float>(row), q.x(), q.y(), q.z(), 1 / 1.5F);
     EXPECT_LT((1.5F * q - p).norm(), 1e-6F) << row;
+    move_from_middle_row(rows, static_cast<float>(row), p.x(), p.y(), p.z(), 1.F);
+    EXPECT_LT((p.cast<double>() - seen).norm(), 1e-3) << row;  // but for the second order
   }
 }
 

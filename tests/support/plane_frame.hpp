@@ -17,8 +17,8 @@ inline constexpr SyntheticPlane kPlane{.distance = 2.0};
                     make_undistortion({kVgaCamera, {}}));
 }
 
-// As a rolling shutter sees the wall: each row at its own time, the middle one at the pose. Depth is
-// that of all rows at once.
+// As a rolling shutter sees the wall: each row at its own time, the middle one at the pose. Depth
+// is that of all rows at once.
 [[nodiscard]] inline Frame rolling_plane_frame(const SE3& world_from_camera,
                                                const Vector6d& velocity, double readout_seconds) {
   RgbdImage image = render_plane(kPlane, kVgaCamera, world_from_camera);

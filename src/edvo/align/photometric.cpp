@@ -40,7 +40,7 @@ EDVO_CLONES void residual_loop(const ReferenceLevel& reference, const cv::Mat_<s
     Float8 y = r[3] * px + r[4] * py + r[5] * pz + t[1];
     Float8 z = r[6] * px + r[7] * py + r[8] * pz + t[2];
     if (!warp.rows.is_none)
-      move_by_share(warp.rows, -warp.rows.share(fy * y / z + cy), x, y, z, Float8{} + 1.F);
+      move_from_middle_row<Float8>(warp.rows, fy * y / z + cy, x, y, z, Float8{} + 1.F);
     const Float8 inverse_z = 1.F / z;
     const Float8 u = fx * x * inverse_z + cx;
     const Float8 v = fy * y * inverse_z + cy;

@@ -57,7 +57,7 @@ EDVO_CLONES std::size_t fill_level(const SelectedPixel* pixels, std::size_t coun
     sample(gray, within ? u : Float8{} + 1.F, within ? v : Float8{} + 1.F, image);
     const Float8 &gx = image.gx, &gy = image.gy;
     Float8 px = (x - c.cx) / c.fx * z, py = (y - c.cy) / c.fy * z;
-    if (!c.rows.is_none) move_by_share(c.rows, c.rows.share(y), px, py, z, Float8{} + 1.F);
+    if (!c.rows.is_none) move_to_middle_row<Float8>(c.rows, y, px, py, z, Float8{} + 1.F);
     // d (u, v) / d xi for a point moved by exp(xi), contracted with the image gradient.
     const Float8 inverse_z = 1.F / z;
     const Float8 a = gx * c.level_fx * inverse_z, b = gy * c.level_fy * inverse_z;

@@ -28,17 +28,10 @@ struct RowMotion {
   std::array<float, 3> rho, phi;  // [m], [rad] from the first row to the last
   float per_row;                  // 1 / rows
   bool is_none;
-
-  // [-1/2..1/2] of the image's height.
-  template <typename Value>
-  [[nodiscard]] Value share(const Value& row) const {
-    return row * per_row - 0.5F;
-  }
 };
 
-// Moves a point by the camera's motion in a share of the readout: from where the camera is when it
-// sees that row to where it is when it sees the middle one, or back with the share negated. A point
-// may be given times an inverse depth.
+// Moves a point by the camera's motion in a share of the readout. A point may be given times an
+// inverse depth.
 template <typename Value>
 [[gnu::always_inline]] inline void move_by_share(const RowMotion& m, const Value& share, Value& x,
                                                  Value& y, Value& z, const Value& inverse_depth) {
@@ -48,6 +41,22 @@ template <typename Value>
   x += share * dx;
   y += share * dy;
   z += share * dz;
+}
+
+// From the camera as it is when it reads that row to the camera as it is at the middle one.
+template <typename Value>
+[[gnu::always_inline]] inline void move_to_middle_row(const RowMotion& m, const Value& row,
+                                                      Value& x, Value& y, Value& z,
+                                                      const Value& inverse_depth) {
+  move_by_share<Value>(m, row * m.per_row - 0.5F, x, y, z, inverse_depth);
+}
+
+// And back.
+template <typename Value>
+[[gnu::always_inline]] inline void move_from_middle_row(const RowMotion& m, const Value& row,
+                                                        Value& x, Value& y, Value& z,
+                                                        const Value& inverse_depth) {
+  move_by_share<Value>(m, 0.5F - row * m.per_row, x, y, z, inverse_depth);
 }
 
 struct Warp {

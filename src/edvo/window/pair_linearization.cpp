@@ -211,13 +211,11 @@ EDVO_CLONES double add_pair(const PairConstants& c, const PairGeometry& g,
       } else {
         const Float8 inverse_depth = Float8{} + rho;
         Float8 rz = Float8{} + 1.F;
-        move_by_share(g.host_rows, Float8{} + g.host_rows.share(point.v), rx, ry, rz,
-                      inverse_depth);
+        move_to_middle_row<Float8>(g.host_rows, Float8{} + point.v, rx, ry, rz, inverse_depth);
         qx = R[0] * rx + R[1] * ry + (R[2] * rz + tx);
         qy = R[3] * rx + R[4] * ry + (R[5] * rz + ty);
         qz = R[6] * rx + R[7] * ry + (R[8] * rz + tz);
-        move_by_share(g.target_rows, -g.target_rows.share(fy * qy / qz + cy), qx, qy, qz,
-                      inverse_depth);
+        move_from_middle_row<Float8>(g.target_rows, fy * qy / qz + cy, qx, qy, qz, inverse_depth);
       }
       const Float8 iz = 1.F / qz;
       const Float8 x = qx * iz;

@@ -42,10 +42,9 @@ std::optional<Projection> project_point(const PairConstants& c, const PairGeomet
   const auto& [fx, fy, cx, cy] = c.camera;
   const auto rho = static_cast<float>(point.inverse_depth);
   Eigen::Vector3f ray((point.u - cx) / fx, (point.v - cy) / fy, 1);
-  move_by_share(g.host_rows, g.host_rows.share(point.v), ray.x(), ray.y(), ray.z(), rho);
+  move_to_middle_row(g.host_rows, point.v, ray.x(), ray.y(), ray.z(), rho);
   Eigen::Vector3f q = R * ray + rho * t;
-  move_by_share(g.target_rows, -g.target_rows.share(fy * q.y() / q.z() + cy), q.x(), q.y(), q.z(),
-                rho);
+  move_from_middle_row(g.target_rows, fy * q.y() / q.z() + cy, q.x(), q.y(), q.z(), rho);
   const Projection seen{fx * q.x() / q.z() + cx, fy * q.y() / q.z() + cy, rho / q.z()};
   const bool visible = q.z() > kLeastScale && seen.u >= kMargin && seen.v >= kMargin &&
                        seen.u < c.limit_u && seen.v < c.limit_v;
