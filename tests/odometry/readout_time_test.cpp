@@ -37,7 +37,7 @@ TEST(ReadoutTime, OfAGlobalShutterIsZero) {
 }
 
 TEST(ReadoutTime, IsZeroWhileFewFramesHaveTold) {
-  EXPECT_EQ(after(20, 0.025, 0.35, 0.005).seconds(), 0);
+  EXPECT_EQ(after(15, 0.025, 0.35, 0.005).seconds(), 0);
 }
 
 TEST(ReadoutTime, IgnoresFramesThatTellNothing) {

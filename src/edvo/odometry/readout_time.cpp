@@ -7,8 +7,8 @@
 namespace edvo {
 namespace {
 
-constexpr double kMemory = 30;  // frames
-constexpr int kLeastFrames = 30;
+constexpr double kMemory = 20;  // frames
+constexpr int kLeastFrames = 20;
 constexpr double kClearly = 4;            // standard deviations
 constexpr double kLeastSeconds = 3.5e-3;  // of global shutters up to 2.9 ms were seen
 constexpr double kLongest = 1.0 / 15;     // [s]
