@@ -10,9 +10,12 @@
 namespace edvo {
 namespace {
 
-// Depth that is the same everywhere was not measured: it is taken as missing.
-Frame without_depth(Frame frame) {
-  frame.depth = cv::Mat_<float>(frame.depth.size(), std::numeric_limits<float>::quiet_NaN());
+// Copies the image, but not its pixels, into the memory of the one before. Depth that is the same
+// everywhere was not measured: it is taken as missing.
+Frame& take_over(const Frame& image, bool is_constant, Frame& frame) {
+  frame = image;
+  if (is_constant)
+    frame.depth = cv::Mat_<float>(frame.depth.size(), std::numeric_limits<float>::quiet_NaN());
   return frame;
 }
 
@@ -23,7 +26,7 @@ Frame without_depth(Frame frame) {
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  Frame frame = is_constant ? without_depth(image.frame) : image.frame;
+  Frame& frame = take_over(image.frame, is_constant, s.frame);
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
   result.readout_seconds = frame.readout_seconds = s.readout.seconds();

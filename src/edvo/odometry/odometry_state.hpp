@@ -51,6 +51,7 @@ struct Odometry::State {
   MovingObjectGuard guard;
   ReadoutTime readout;
   AlignScratch scratch;
+  Frame frame;  // the present one; whose memory serves the next
 
   Map map;
   Segment segment;  // the present one; its keyframe is -1 before the first frame

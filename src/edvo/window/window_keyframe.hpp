@@ -30,7 +30,7 @@ struct WindowOptions {
   double gradient_weight_scale = 50.0;  // [grey levels / px]
   double depth_noise = 0.0015;          // [1 / m]
   double depth_bias = 0.003;
-  double depth_weight = 1.0;
+  double depth_weight = 0.5;
 };
 
 template <typename Self, typename Visitor>
