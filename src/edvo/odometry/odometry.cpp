@@ -26,7 +26,7 @@ Frame& take_over(const Frame& image, bool is_constant, Frame& frame) {
 FrameResult Odometry::process(const PreparedImage& image) {
   State& s = *state_;
   const bool is_constant = has_constant_depth(image.frame, s.config.selection);
-  Frame& frame = take_over(image.frame, is_constant, s.frame);
+  Frame& frame = take_over(image.frame, is_constant, s.current_frame);
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
   result.readout_seconds = frame.readout_seconds = s.readout.seconds();

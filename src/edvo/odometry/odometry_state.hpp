@@ -51,7 +51,7 @@ struct Odometry::State {
   MovingObjectGuard guard;
   ReadoutTime readout;
   AlignScratch scratch;
-  Frame frame;  // the present one; whose memory serves the next
+  Frame current_frame;  // its memory serves the next one
 
   Map map;
   Segment segment;  // the present one; its keyframe is -1 before the first frame
