@@ -37,7 +37,7 @@ Reference reference_of(const Frame& frame) {
 
 // The same images, taken as those of a global shutter.
 Frame all_at_once(Frame frame) {
-  frame.readout_seconds = 0;
+  frame.shutter.readout_seconds = 0;
   return frame;
 }
 
@@ -75,7 +75,7 @@ TEST(RollingShutter, ItsReadoutTimeIsSeenInTheResiduals) {
   AlignScratch scratch;
   for (const double taken_as : {0.0, 0.02, 0.04}) {
     Frame from = key, to = current;
-    from.readout_seconds = to.readout_seconds = taken_as;
+    from.shutter.readout_seconds = to.shutter.readout_seconds = taken_as;
     const Reference reference = reference_of(from);
     const AlignResult result = align(reference, to, {}, {});
     const ReadoutEvidence evidence = readout_evidence(reference, to, result, {}, scratch);
@@ -98,7 +98,7 @@ TEST(RollingShutter, AWindowThatKnowsOfItFindsThePoses) {
     std::vector<WindowKeyframe> window;
     for (const auto& [pose, moving] : {std::pair{SE3{}, kFirst}, {kMoved, kSecond}}) {
       Frame frame = rolling_plane_frame(pose, moving, kReadout);
-      if (!knows) frame.readout_seconds = 0;
+      if (!knows) frame.shutter.readout_seconds = 0;
       window.push_back(make_window_keyframe(frame, pose, grid_pixels(frame, 41), options));
     }
     window[1].world_from_key = kMoved * motion(0.004, -0.003, 0.004, 0.001, 0.002, -0.002);

@@ -30,8 +30,7 @@ inline constexpr SyntheticPlane kPlane{.distance = 2.0};
           cv::Vec3b::all(cv::saturate_cast<uchar>(intensity_at(kPlane, kVgaCamera, pose, x, y)));
   }
   Frame frame = make_frame(image, make_undistortion({kVgaCamera, {}}));
-  frame.velocity = velocity;
-  frame.readout_seconds = readout_seconds;
+  frame.shutter = {.velocity = velocity, .readout_seconds = readout_seconds};
   return frame;
 }
 

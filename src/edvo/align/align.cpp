@@ -52,7 +52,7 @@ class LevelProblem {
         current_(frame.levels[level]),
         full_camera_(frame.levels.front().camera),
         depth_(frame.depth),
-        readout_(frame.readout()),
+        readout_(frame.shutter.readout()),
         options_(options),
         scratch_(scratch),
         prior_(prior),

@@ -134,7 +134,7 @@ MotionSupport motion_support(const Reference& reference, const Frame& frame, int
                   scratch.associations);
   const CellMask hidden = add_depth(reference.surface, camera, scratch.associations,
                                     alignment.cur_from_ref, limits.depth, support);
-  photometric_residuals(reference.levels[l], frame.levels[l], frame.readout(), alignment,
+  photometric_residuals(reference.levels[l], frame.levels[l], frame.shutter.readout(), alignment,
                         scratch.residuals);
   add_intensity(reference.levels[l], scratch.residuals, limits.intensity, hidden, support);
   return support;

@@ -24,7 +24,8 @@ ReadoutEvidence readout_evidence(const Reference& reference, const Frame& frame,
                                  AlignScratch& scratch) {
   const ReferenceLevel& points = reference.levels[static_cast<std::size_t>(options.finest_level)];
   const Level& level = frame.levels[static_cast<std::size_t>(options.finest_level)];
-  photometric_residuals(points, level, frame.readout(), result.alignment, scratch.residuals);
+  photometric_residuals(points, level, frame.shutter.readout(), result.alignment,
+                        scratch.residuals);
   const SE3& pose = result.alignment.cur_from_ref;
   const Eigen::Matrix3f R = pose.rotation.toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = pose.translation.cast<float>();
@@ -42,8 +43,9 @@ ReadoutEvidence readout_evidence(const Reference& reference, const Frame& frame,
     if (std::isnan(r)) continue;
     const Eigen::Vector3f p(points.x[i], points.y[i], points.z[i]);
     const Eigen::Vector3f q = R * p + t;
-    const Eigen::Vector3f moved = share(p) * velocity_of(reference.velocity, p) -
-                                  R.transpose() * (share(q) * velocity_of(frame.velocity, q));
+    const Eigen::Vector3f moved =
+        share(p) * velocity_of(reference.velocity, p) -
+        R.transpose() * (share(q) * velocity_of(frame.shutter.velocity, q));
     const float s = r * inverse_sigma;
     const float weight =
         points.weight[i] * inverse_sigma * inverse_sigma * (kDegrees + 1) / (kDegrees + s * s);
@@ -62,7 +64,8 @@ ReadoutEvidence readout_evidence(const Reference& reference, const Frame& frame,
   const double information = hessian(8, 8) - cross.dot(rest.solve(cross));
   const double slope = gradient[8] - cross.dot(rest.solve(gradient.head<8>()));
   if (!(information > 0) || !std::isfinite(slope)) return {};
-  return {.seconds = frame.readout_seconds - slope / information, .information = information};
+  return {.seconds = frame.shutter.readout_seconds - slope / information,
+          .information = information};
 }
 
 }  // namespace edvo

@@ -14,7 +14,7 @@ struct ReadoutEvidence {
 };
 
 // result: of aligning the frame to the reference at the finest level of the options. The velocities
-// of both have to be known (Frame::velocity).
+// of both have to be known (RollingShutter::velocity).
 [[nodiscard]] ReadoutEvidence readout_evidence(const Reference& reference, const Frame& frame,
                                                const AlignResult& result,
                                                const AlignOptions& options, AlignScratch& scratch);

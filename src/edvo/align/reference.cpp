@@ -95,7 +95,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
   Reference reference = std::move(recycled);
   reference.levels.resize(frame.levels.size());
   reference.surface.clear();
-  reference.velocity = frame.velocity;
+  reference.velocity = frame.shutter.velocity;
   const Camera& full = frame.levels.front().camera;
   for (std::size_t l = 0; l < frame.levels.size(); ++l) {
     const Level& source = frame.levels[l];
@@ -123,7 +123,7 @@ Reference make_reference(const Frame& frame, const std::vector<SelectedPixel>& p
                               .level_fy = static_cast<float>(source.camera.fy),
                               .softness_squared = static_cast<float>(options.gradient_weight_scale *
                                                                      options.gradient_weight_scale),
-                              .rows = row_motion(frame.readout(), full.height)},
+                              .rows = row_motion(frame.shutter.readout(), full.height)},
                              out.data());
     for (std::vector<float>* array : arrays) {
       array->resize(level.count);

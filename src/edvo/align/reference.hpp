@@ -25,7 +25,7 @@ struct ReferenceLevel {
 struct Reference {
   std::vector<ReferenceLevel> levels;  // as in the frame: 0 = full size
   SurfacePoints surface;
-  Vector6d velocity = Vector6d::Zero();  // Frame::velocity
+  Vector6d velocity = Vector6d::Zero();  // RollingShutter::velocity
 };
 
 struct ReferenceOptions {

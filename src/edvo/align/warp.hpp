@@ -23,7 +23,8 @@ struct Pinhole {
   float fx, fy, cx, cy;  // [px]
 };
 
-// A rolling shutter: how the camera moves while the rows of an image are read (Frame::readout).
+// A rolling shutter: how the camera moves while the rows of an image are read
+// (RollingShutter::readout).
 struct RowMotion {
   std::array<float, 3> rho, phi;  // [m], [rad] from the first row to the last
   float per_row;                  // 1 / rows

@@ -2,7 +2,7 @@
 // One image as the tracker reads it: undistorted, grey, at several sizes.
 #pragma once
 
-#include "edvo/core/se3.hpp"
+#include "edvo/core/rolling_shutter.hpp"
 #include "edvo/image/depth.hpp"
 
 #include <vector>
@@ -23,11 +23,7 @@ struct Frame {
   std::vector<Level> levels;  // 0 = full size; level l is pyrDown of level l - 1
   Depth depth;                // of level 0
   cv::Mat bgr;                // the distorted original; undistorted by who needs colour
-  // A rolling shutter reads one row after the other while the camera moves: the row at a share s of
-  // the height, -1/2 to 1/2, is seen from world_from_camera * exp(s readout()).
-  Vector6d velocity = Vector6d::Zero();  // (rho [m/s], phi [rad/s]) in the camera's frame
-  double readout_seconds = 0;            // from the first row to the last
-  [[nodiscard]] Vector6d readout() const { return readout_seconds * velocity; }
+  RollingShutter shutter;
 
   // Mean squared gradient of the image at half size [grey levels^2]: motion blur lowers it.
   double sharpness = 0;

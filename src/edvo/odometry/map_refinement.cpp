@@ -51,7 +51,7 @@ void Odometry::State::refine_all(int threads) {
   const JointOptions joint{.iterations = config.window.final_iterations, .threads = threads};
   std::map<int, std::vector<WindowKeyframe*>> segments_of;
   for (WindowKeyframe* const key : all_keyframes()) {
-    key->readout_seconds = readout.seconds();
+    key->shutter.readout_seconds = readout.seconds();
     segments_of[map[key->id].segment].push_back(key);
   }
   std::map<KeyframeId, SE3> refined;

@@ -9,7 +9,6 @@
 namespace edvo {
 namespace {
 
-constexpr double kFarAhead = 3.0;       // times its own duration, a motion tells nothing
 constexpr double kLeastSeconds = 1e-3;  // [s] stamps nearer to each other are not a camera's
 
 // Rotations that are tried where a frame is lost: so many steps to each side.
@@ -44,14 +43,14 @@ const Level& correlation_level(const Frame& frame) {
 SE3 constant_velocity(const TrackingState& state, const Stamp& stamp) {
   if (!state.stamp || state.motion_seconds <= 0) return SE3{};
   const double gap = seconds_between(*state.stamp, stamp);
-  if (gap > kFarAhead * state.motion_seconds) return SE3{};
+  if (is_far_ahead(state, gap)) return SE3{};
   return exp(gap / state.motion_seconds * log(inverse(state.last_from_current)));
 }
 
 PositionPrior position_prior(const TrackingState& state, const Stamp& stamp, double acceleration) {
   if (acceleration == 0 || !state.stamp || state.motion_seconds <= 0) return {};
   const double gap = seconds_between(*state.stamp, stamp);
-  if (gap > kFarAhead * state.motion_seconds) return {};
+  if (is_far_ahead(state, gap)) return {};
   const SE3 key_from_last = inverse(state.alignment.cur_from_ref);
   const SE3 current_from_last = inverse(state.last_from_current);
   const Eigen::Vector3d onward = current_from_last.rotation * state.last_from_current.translation *

@@ -29,7 +29,7 @@ FrameResult Odometry::process(const PreparedImage& image) {
   Frame& frame = take_over(image.frame, is_constant, s.current_frame);
   s.require_newer(frame.stamp);
   FrameResult result{.index = s.images++, .stamp = frame.stamp};  // kLost until a step changes it
-  result.readout_seconds = frame.readout_seconds = s.readout.seconds();
+  result.readout_seconds = frame.shutter.readout_seconds = s.readout.seconds();
   Stopwatch total;
 
   if (s.segment.keyframe < 0) {

@@ -230,8 +230,7 @@ KeyframePtr Odometry::State::newest_keyframe(bool with_colour) const {
   keyframe->stamp = key.stamp;
   keyframe->segment = key.segment;
   keyframe->world_from_camera = key.world_from_camera;
-  keyframe->velocity = keyframe_frame.velocity;
-  keyframe->readout_seconds = keyframe_frame.readout_seconds;
+  keyframe->shutter = keyframe_frame.shutter;
   keyframe->gray = keyframe_frame.levels.front().gray;
   if (with_colour) keyframe->bgr = undistort_colour(undistortion, keyframe_frame.bgr);
   keyframe->depth = keyframe_frame.depth.undistorted();

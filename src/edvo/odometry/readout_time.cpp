@@ -12,7 +12,6 @@ constexpr int kLeastFrames = 20;
 constexpr double kClearly = 4;            // standard deviations
 constexpr double kLeastSeconds = 3.5e-3;  // of global shutters up to 2.9 ms were seen
 constexpr double kLongest = 1.0 / 15;     // [s]
-constexpr double kFarAhead = 3;           // times as long as the motion before, one tells nothing
 
 }  // namespace
 
@@ -36,7 +35,7 @@ double ReadoutTime::seconds() const {
 Vector6d velocity_since(const TrackingState& last, const SE3& cur_from_ref, const Stamp& stamp) {
   if (!last.stamp) return Vector6d::Zero();
   const double seconds = seconds_between(*last.stamp, stamp);
-  if (last.motion_seconds > 0 && seconds > kFarAhead * last.motion_seconds) return Vector6d::Zero();
+  if (last.motion_seconds > 0 && is_far_ahead(last, seconds)) return Vector6d::Zero();
   return log(last.alignment.cur_from_ref * inverse(cur_from_ref)) / seconds;
 }
 

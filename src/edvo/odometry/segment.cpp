@@ -39,13 +39,13 @@ Guesses guesses(const Segment& segment, const Frame& frame, const MotionCandidat
 AlignResult align_by_rows(const Segment& segment, Frame& frame, const Alignment& guess,
                           const AlignOptions& options, AlignScratch& scratch,
                           const PositionPrior& prior) {
-  if (frame.readout_seconds == 0 || options.finest_level >= options.coarsest_level)
+  if (frame.shutter.readout_seconds == 0 || options.finest_level >= options.coarsest_level)
     return align(segment.reference, frame, guess, options, scratch, prior);
   AlignOptions coarse = options, fine = options;
   ++coarse.finest_level;
   fine.coarsest_level = fine.finest_level;
   const AlignResult begun = align(segment.reference, frame, guess, coarse, scratch, prior);
-  frame.velocity = velocity_since(segment.state, begun.alignment.cur_from_ref, frame.stamp);
+  frame.shutter.velocity = velocity_since(segment.state, begun.alignment.cur_from_ref, frame.stamp);
   AlignResult result = align(segment.reference, frame, begun.alignment, fine, scratch, prior);
   LevelList levels = begun.levels;
   for (const LevelStats& level : result.levels) levels.push_back(level);
@@ -112,7 +112,8 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const SE3 velocity = constant_velocity(state, frame.stamp);
   const PositionPrior prior = position_prior(state, frame.stamp, config.motion.acceleration);
   AlignResult result;
-  frame.velocity = velocity_since(state, velocity * state.alignment.cur_from_ref, frame.stamp);
+  frame.shutter.velocity =
+      velocity_since(state, velocity * state.alignment.cur_from_ref, frame.stamp);
   const MotionCandidates near = segment.predictor.candidates(frame, velocity, config, scratch);
   for (const Alignment& guess : guesses(segment, frame, near, config, scratch)) {
     result = align_by_rows(segment, frame, guess, config.tracking, scratch, prior);
@@ -134,7 +135,7 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   SegmentAlignment aligned = {
       .result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};
   if (loss != LossCause::kNone) {
-    frame.velocity.setZero();
+    frame.shutter.velocity.setZero();
     return aligned;
   }
   const MotionEvidence evidence = {.reference = segment.reference,
@@ -159,9 +160,10 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
       break;
   }
   if (segment.witness) ask_witness(*segment.witness, evidence, config, scratch, aligned);
-  frame.velocity = aligned.loss == LossCause::kNone
-                       ? velocity_since(state, aligned.result.alignment.cur_from_ref, frame.stamp)
-                       : Vector6d::Zero();
+  frame.shutter.velocity =
+      aligned.loss == LossCause::kNone
+          ? velocity_since(state, aligned.result.alignment.cur_from_ref, frame.stamp)
+          : Vector6d::Zero();
   return aligned;
 }
 

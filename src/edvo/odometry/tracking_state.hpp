@@ -33,6 +33,12 @@ struct TrackingState {
   return state.moving_object_frames == 0 && state.doubtful_frames == 0;
 }
 
+// Whether so long after the last good frame [s] its motion tells nothing any more.
+[[nodiscard]] inline bool is_far_ahead(const TrackingState& last, double seconds) {
+  constexpr double kTimes = 3;  // the duration of that motion
+  return seconds > kTimes * last.motion_seconds;
+}
+
 // What residuals are compared with: the usual sigma, but not that of a camera at rest, whose images
 // differ by noise alone. [grey levels]
 [[nodiscard]] inline double sigma_baseline(const TrackingState& state) {

@@ -41,8 +41,7 @@ Place make_place(const Keyframe& keyframe, bool keep_colour) {
   constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();
   Place place{.id = keyframe.id,
               .stamp = keyframe.stamp,
-              .velocity = keyframe.velocity,
-              .readout_seconds = keyframe.readout_seconds,
+              .shutter = keyframe.shutter,
               .gray = keyframe.gray};
   const cv::Mat_<float>& depth = keyframe.depth;
   place.half_depth.create((depth.rows + 1) / 2, (depth.cols + 1) / 2);
@@ -62,8 +61,7 @@ KeyframePtr keyframe_of(const Place& place) {
   auto keyframe = std::make_shared<Keyframe>();
   keyframe->id = place.id;
   keyframe->stamp = place.stamp;
-  keyframe->velocity = place.velocity;
-  keyframe->readout_seconds = place.readout_seconds;
+  keyframe->shutter = place.shutter;
   keyframe->gray = place.gray;
   cv::cvtColor(place.gray, keyframe->bgr, cv::COLOR_GRAY2BGR);
   keyframe->depth = full_depth(place);

@@ -13,8 +13,7 @@ namespace edvo {
 struct Place {
   std::int64_t id = 0;  // of the keyframe
   Stamp stamp;
-  Vector6d velocity = Vector6d::Zero();  // as in Keyframe
-  double readout_seconds = 0;
+  RollingShutter shutter;
   cv::Mat_<std::uint8_t> gray;          // H x W, shared with the keyframe
   cv::Mat_<std::uint16_t> half_depth;   // of every second pixel [kDepthStep], 0 = none
   cv::Mat_<cv::Vec2b> half_chroma;      // of every second pixel (Cr, Cb); empty = not kept

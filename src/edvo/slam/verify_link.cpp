@@ -150,8 +150,7 @@ std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
 KeyframeView make_view(const KeyframePtr& keyframe, const Frame& frame, const Camera& camera,
                        const AlignOptions& tracking) {
   KeyframeView view{.keyframe = keyframe, .frame = frame, .reference = {}};
-  view.frame.velocity = keyframe->velocity;
-  view.frame.readout_seconds = keyframe->readout_seconds;
+  view.frame.shutter = keyframe->shutter;
   view.reference = make_reference(view.frame, selected_pixels(*keyframe, camera),
                                   {.gradient_weight_scale = tracking.gradient_weight_scale,
                                    .finest_level = tracking.finest_level,

@@ -37,7 +37,7 @@ bool KeyframeWindow::refine(const Camera& camera, double readout_seconds,
   waiting_ = false;
   refined_.clear();
   if (begins) {
-    for (WindowKeyframe& key : recent_) key.readout_seconds = readout_seconds;
+    for (WindowKeyframe& key : recent_) key.shutter.readout_seconds = readout_seconds;
     choose_members(camera, options);
   }
   if (!begins && refinement_.finished) return false;

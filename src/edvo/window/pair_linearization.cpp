@@ -162,8 +162,8 @@ PairGeometry pair_geometry(const WindowKeyframe& host, const WindowKeyframe& tar
   g.bias_host = static_cast<float>(host.bias);
   g.bias_target = static_cast<float>(target.bias);
   g.inverse_host_gain = static_cast<float>(1 / host.gain);
-  g.host_rows = row_motion(host.readout_seconds * host.velocity, target.gray.rows);
-  g.target_rows = row_motion(target.readout_seconds * target.velocity, target.gray.rows);
+  g.host_rows = row_motion(host.shutter.readout(), target.gray.rows);
+  g.target_rows = row_motion(target.shutter.readout(), target.gray.rows);
   return g;
 }
 

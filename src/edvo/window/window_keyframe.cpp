@@ -49,10 +49,8 @@ WindowKeyframe make_window_keyframe(const Frame& frame, const SE3& world_from_ke
                                     const WindowOptions& options) {
   const cv::Mat_<std::uint8_t>& gray = frame.levels.front().gray;
   const cv::Mat_<float> depth = frame.depth.undistorted();
-  WindowKeyframe key{.stamp = frame.stamp,
-                     .world_from_key = world_from_key,
-                     .velocity = frame.velocity,
-                     .readout_seconds = frame.readout_seconds};
+  WindowKeyframe key{
+      .stamp = frame.stamp, .world_from_key = world_from_key, .shutter = frame.shutter};
   key.gray = gray;
   key.half_depth = cv::Mat_<std::uint16_t>::zeros((gray.rows + 1) / 2, (gray.cols + 1) / 2);
   constexpr float kMostSteps = std::numeric_limits<std::uint16_t>::max();

@@ -69,10 +69,9 @@ struct WindowKeyframe {
   std::int64_t id = 0;
   Stamp stamp;
   SE3 world_from_key;
-  Vector6d velocity = Vector6d::Zero();  // Frame::velocity
-  double readout_seconds = 0;            // Frame::readout_seconds
-  double gain = 1, bias = 0;             // I = gain * radiance + bias
-  cv::Mat_<std::uint8_t> gray;           // level 0
+  RollingShutter shutter;
+  double gain = 1, bias = 0;    // I = gain * radiance + bias
+  cv::Mat_<std::uint8_t> gray;  // level 0
   // Inverse, of every second pixel [kInverseDepthStep]; 0 = none or on a jump.
   cv::Mat_<std::uint16_t> half_depth;
   std::vector<WindowPoint> points;
