@@ -44,7 +44,8 @@ install_packages() {
   # What is only of use is left out where the release does not have it.
   local package
   for package in $(sed -n 's/#.*//; s/?.*//p' scripts/packages.txt "$@"); do
-    apt-cache policy "$package" | grep -q 'Candidate: [0-9]' ||
+    # All of the output is read: grep -q would end the pipe early, and pipefail would count that.
+    [[ -n $(apt-cache policy "$package" | sed -n '/Candidate: [0-9]/p') ]] ||
       mapfile -t missing < <(printf '%s\n' "${missing[@]}" | grep -vx "$package")
   done
   if ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
