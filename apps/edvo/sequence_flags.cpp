@@ -78,9 +78,10 @@ DistortedCamera camera_from(const SequenceFlags& flags) {
 
 void add_sequence_flags(CLI::App& verb, SequenceFlags& flags) {
   visit_fields(flags.options, OptionAdder{verb});
-  verb.add_option("--trajectory", flags.trajectory,
-                  "move as this TUM trajectory does, turned, shifted and if need be shrunk to fit "
-                  "the scene; instead of --path");
+  verb.add_option(
+      "--trajectory", flags.trajectory,
+      "move as this TUM trajectory does, smoothed, turned, shifted and if need be shrunk to fit "
+      "the scene; instead of --path");
   verb.add_option("--size", flags.size, "image size, WIDTHxHEIGHT (default 640x480)");
   verb.add_option("--camera", flags.camera,
                   "calibration file; lens distortion is rendered (default fx = fy = 525)");

@@ -2,6 +2,7 @@
 #include "edvo/synth/path.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/core/random.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/synth/rays.hpp"
 #include "support/matchers.hpp"
@@ -9,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 namespace edvo::synth {
@@ -129,6 +131,37 @@ TEST(Path, RecordedPosesAreMetAtTheirStampsAndBlendBetween) {
   EXPECT_NEAR(pose_at(path, 0.25).translation.x(), 0.5, 1e-9);
   EXPECT_NEAR(pose_at(path, -1).translation.x(), 0, 1e-12);
   EXPECT_NEAR(pose_at(path, 99).translation.x(), 0.8, 1e-12);
+}
+
+TEST(Path, JitterOfAMeasuredMotionIsSmoothedAwayAndTheMotionStays) {
+  const auto swing = [](double seconds) {  // 2 Hz, as a hand's
+    Vector6d xi;
+    xi << 0.02, 0.01, 0.03, 0.02, 0.03, 0.01;
+    return exp(std::sin(4 * std::numbers::pi * seconds) * xi);
+  };
+  constexpr int kPoses = 600;
+  constexpr double kJitter = 5e-4, kRate = 300;  // [m], [rad]; [Hz]
+  Random random{7};
+  Trajectory recorded;
+  for (int i = 0; i < kPoses; ++i) {
+    Vector6d jitter;
+    for (int k = 0; k < 6; ++k) jitter[k] = kJitter * static_cast<double>(random.normal());
+    recorded.push_back({.stamp = stamp_from_seconds(100 + i / kRate),
+                        .world_from_camera = swing(i / kRate) * exp(jitter)});
+  }
+  const Trajectory smooth = without_jitter(recorded);
+  ASSERT_EQ(smooth.size(), recorded.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    EXPECT_EQ(smooth[i].stamp, recorded[i].stamp);
+    const SE3 truth = swing(static_cast<double>(i) / kRate);
+    squares += log(inverse(truth) * smooth[i].world_from_camera).squaredNorm() / 6;
+  }
+  EXPECT_LT(std::sqrt(squares / kPoses), 0.5 * kJitter);
+
+  const Trajectory sparse = line({0.2, 0, 0}, 5), same = without_jitter(sparse);
+  for (std::size_t i = 0; i < sparse.size(); ++i)
+    EXPECT_EQ(same[i].world_from_camera.translation, sparse[i].world_from_camera.translation);
 }
 
 TEST(Path, ATrajectoryOfACameraWorldIsStoodUpright) {

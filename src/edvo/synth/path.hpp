@@ -45,6 +45,11 @@ struct Path {
 // lie above each other.
 [[nodiscard]] SE3 look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
 
+// A recorded motion without the jitter of what measured it: motion capture is a pixel off from one
+// pose to the next, no camera is. Where fewer than seven poses lie within 0.15 s to either side it
+// stays as it is.
+[[nodiscard]] Trajectory without_jitter(const Trajectory& recorded);
+
 // Stands a recorded motion upright into a scene: turned about z, shifted, and shrunk if need be, so
 // that the camera stays clear of everything and mostly looks at surfaces 0.5 to 4 m away. Motions
 // whose world is not z up (a first camera as the world, say) are turned so that the camera is

@@ -140,7 +140,7 @@ SyntheticSequence make_sequence(const SequenceOptions& options, const DistortedC
                              .kept = {}};
   sequence.path = make_path(options.path, sequence.scene.stage, seed);
   if (!recorded.empty())
-    sequence.path.recorded = fit_into(sequence.scene, recorded);
+    sequence.path.recorded = fit_into(sequence.scene, without_jitter(recorded));
   else if (options.path == PathName::kRounds)
     sequence.path.recorded = make_rounds(sequence.scene, walk_length(options), seed);
   if (const Trajectory& motion = sequence.path.recorded; !motion.empty()) {

@@ -75,9 +75,9 @@ struct SyntheticSequence {
   int threads = 0;           // 0 = all of the machine's
 };
 
-// recorded: if not empty, the camera moves like this instead of options.path (see fit_into); the
-// sequence ends where the recording does. Throws Error(kConfig) about an option out of range,
-// Error(kCalibration) about an impossible camera and what fit_into throws.
+// recorded: if not empty, the camera moves like this instead of options.path (see without_jitter,
+// fit_into); the sequence ends where the recording does. Throws Error(kConfig) about an option out
+// of range, Error(kCalibration) about an impossible camera and what fit_into throws.
 [[nodiscard]] SyntheticSequence make_sequence(const SequenceOptions& options,
                                               const DistortedCamera& camera = kDefaultCamera,
                                               const Trajectory& recorded = {});
