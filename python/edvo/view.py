@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,9 @@ from edvo.trajectory import Trajectory
 
 WAITING = 8  # frames that the viewer may be behind; further ones are not shown
 GRPC_PORT, WEB_PORT = 9876, 9090
-IMAGE_PERIOD = 0.3  # [s], between the images that a live viewer gets: encoding them costs time
+IMAGE_PERIOD = 0.3  # [s], between images and moved keyframes that a live viewer gets: they cost time
+ROWS_PERIOD = 0.1  # [s], between two sendings of poses and curves to a live viewer
+MOST_ROWS = 100  # frames of which poses and curves are sent together
 PATH_PERIOD = 10  # frames between two drawings of the path in a recording
 SWITCH_SECONDS = 5e-5  # [s] after which a thread of Python lets another run; Python's own is 5e-3
 FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
@@ -176,13 +179,49 @@ class Log:
             ),
         )
 
-    def curves(self, inliers: float, overlap: float, milliseconds: float) -> None:
-        self.out.log("inliers/inliers", self.rr.Scalars(inliers))
-        self.out.log("inliers/overlap", self.rr.Scalars(overlap))
-        self.out.log("time/total", self.rr.Scalars(milliseconds))
-
     def event(self, text: str, level: str = "INFO") -> None:
         self.out.log("events", self.rr.TextLog(text, level=level))
+
+
+class Rows:
+    """Poses and curves of frames, sent together: one by one they take six times as long."""
+
+    CURVES = ("inliers/inliers", "inliers/overlap", "time/total")
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._stamps: list[int] = []
+        self._poses: list[NDArray[np.float64]] = []
+        self._curves: list[tuple[float, float, float]] = []
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def add(
+        self,
+        stamp_ns: int,
+        pose: NDArray[np.float64],
+        inliers: float,
+        overlap: float,
+        milliseconds: float,
+    ) -> None:
+        self._stamps.append(stamp_ns)
+        self._poses.append(pose)
+        self._curves.append((inliers, overlap, milliseconds))
+
+    def send(self) -> None:
+        if not self._stamps:
+            return
+        rr, out = self._log.rr, self._log.out
+        stamps = np.array(self._stamps, dtype="datetime64[ns]")
+        index = [rr.TimeColumn("stamp", timestamp=stamps)]
+        poses, curves = np.array(self._poses), np.array(self._curves)
+        transforms = rr.Transform3D.columns(translation=poses[:, :3, 3], mat3x3=poses[:, :3, :3])
+        rr.send_columns("world/camera", indexes=index, columns=transforms, recording=out)
+        for name, values in zip(self.CURVES, curves.T):
+            scalars = rr.Scalars.columns(scalars=values)
+            rr.send_columns(name, indexes=index, columns=scalars, recording=out)
+        self._stamps, self._poses, self._curves = [], [], []
 
 
 class RerunObserver(Observer):
@@ -204,8 +243,10 @@ class RerunObserver(Observer):
         self._truth: Trajectory | None = None
         self._path: dict[int, list[NDArray[np.float64]]] = {}  # by segment
         self._shown: dict[int, NDArray[np.float64]] = {}  # keyframes' poses
+        self._map: list[KeyframePose] = []  # that is not shown yet
         self._count = 0
-        self._last_image = -1e9  # [s]
+        self._rows = Rows(self._log)
+        self._last_rows = self._last_image = -1e9  # [s]
         self._switch_interval = sys.getswitchinterval()
         self._thread = threading.Thread(target=self._work, daemon=True)
 
@@ -267,46 +308,68 @@ class RerunObserver(Observer):
 
     def _work(self) -> None:
         while (item := self._queue.get()) is not None:
-            kind, value, extra = item
-            if self.failure:
-                continue
-            try:
-                if kind == "frame":
-                    self._log_frame(value, extra)
-                elif kind == "keyframe":
-                    self._log_keyframe(value)
-                elif kind == "map":
-                    self._log_map(value)
-                else:
-                    self._log.event(value, extra)
-            except Exception as error:  # noqa: BLE001: the run goes on
-                self.failure = f"no more is shown: {error}"
+            self._try(self._show, item)
+        self._try(self._rows.send)
+        self._try(self._log_map)
+
+    def _try(self, act: Callable[..., None], *arguments: Any) -> None:
+        if self.failure:
+            return
+        try:
+            act(*arguments)
+        except Exception as error:  # noqa: BLE001: the run goes on
+            self.failure = f"no more is shown: {error}"
+
+    def _show(self, item: Any) -> None:
+        kind, value, extra = item
+        if kind == "frame":
+            self._log_frame(value, extra)
+        elif kind == "keyframe":
+            self._log_keyframe(value)
+        elif kind == "map":
+            self._map = value
+            if not self._live:
+                self._log_map()
+        else:
+            self._log.event(value, extra)
 
     def _log_frame(self, result: FrameResult, image: Image) -> None:
         log, rr, camera = self._log, self._log.rr, self._camera
         assert camera is not None
         log.at(result.stamp_ns)
-        log.pose("world/camera", result.pose)
+        self._rows.add(
+            result.stamp_ns,
+            result.pose,
+            result.inlier_ratio,
+            result.overlap,
+            result.milliseconds["total"],
+        )
         now = time.monotonic()
-        if not self._live or now - self._last_image >= IMAGE_PERIOD:
+        if now - self._last_rows >= ROWS_PERIOD if self._live else len(self._rows) >= MOST_ROWS:
+            self._last_rows = now
+            self._rows.send()
+        shows_images = not self._live or now - self._last_image >= IMAGE_PERIOD
+        if shows_images:
             self._last_image = now
             log.frustum("world/camera/image", camera, 0.3)
             log.out.log("world/camera/image", rr.Image(image.rgb).compress(jpeg_quality=75))
-            millimetres = np.nan_to_num(np.clip(image.depth * 1000, 0, 65534)).astype(np.uint16)
+            step = 2 if self._live else 1
+            metres = image.depth[::step, ::step]
+            millimetres = np.nan_to_num(np.clip(metres * 1000, 0, 65534)).astype(np.uint16)
             log.out.log("depth", rr.DepthImage(millimetres, meter=1000.0))
+            self._log_map()
         if result.status == "lost":
             log.event(f"lost: {result.loss_cause}", "WARN")
         else:
             path = self._path.setdefault(result.segment, [])
             path.append(result.pose[:3, 3])
-            if self._count % PATH_PERIOD == 0:
+            if shows_images if self._live else self._count % PATH_PERIOD == 0:
                 log.line(f"world/path/{result.segment}", np.array(path), PATH)
         self._count += 1
         if result.status in ("restarted", "relocalized"):
             log.event(f"{result.status}, segment {result.segment}", "WARN")
         if result.new_keyframe is not None:
             log.event(f"keyframe: {result.new_keyframe}")
-        log.curves(result.inlier_ratio, result.overlap, result.milliseconds["total"])
 
     def _log_keyframe(self, keyframe: Keyframe) -> None:
         log, rr, camera = self._log, self._log.rr, self._camera
@@ -323,12 +386,13 @@ class RerunObserver(Observer):
         # Selected pixels of the newest keyframe, at the place where its own image has them.
         log.out.log("world/camera/image/selected", rr.Points2D(pixels, colors=[PATH], radii=0.8))
 
-    def _log_map(self, keyframes: list[KeyframePose]) -> None:
-        for keyframe in keyframes:
+    def _log_map(self) -> None:
+        for keyframe in self._map:
             shown = self._shown.get(keyframe.id)
             if shown is not None and np.abs(keyframe.pose - shown).max() > MOVED:
                 self._log.pose(f"world/keyframes/{keyframe.id}", keyframe.pose)
                 self._shown[keyframe.id] = keyframe.pose
+        self._map = []
 
 
 def show_file(file: Path) -> None:
@@ -359,6 +423,7 @@ def show_run(folder: Path, record: str | Path | None = None) -> None:
 
 
 def log_run(log: Log, folder: Path) -> None:
+    rows = Rows(log)
     with (folder / "frames.jsonl").open(encoding="utf-8") as lines:
         for line in lines:
             frame = json.loads(line)
@@ -371,10 +436,11 @@ def log_run(log: Log, folder: Path) -> None:
             if frame["keyframe_reason"]:
                 log.event(f"keyframe: {frame['keyframe_reason']}")
             pose = Trajectory(np.zeros(1, np.int64), np.array([frame["pose"]])).poses[0]
-            log.pose("world/camera", pose)
-            log.curves(
-                frame["inlier_ratio"] or np.nan, frame["overlap"] or np.nan, frame["ms"]["total"]
-            )
+            inliers, overlap = frame["inlier_ratio"] or np.nan, frame["overlap"] or np.nan
+            rows.add(round(float(frame["stamp"]) * 1e9), pose, inliers, overlap, frame["ms"]["total"])
+            if len(rows) >= MOST_ROWS:
+                rows.send()
+    rows.send()
     trajectory = Trajectory.read(folder / "trajectory.tum")
     log.lines("world/path_at_the_end", trajectory, FINAL)
     if (folder / "keyframes.tum").is_file():

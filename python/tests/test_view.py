@@ -8,6 +8,7 @@ import sys
 import time
 import urllib.request
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -58,13 +59,27 @@ def test_a_recording_has_everything_and_changes_no_bit(
 
 
 def test_every_frame_is_in_a_recording(
-    camera: edvo.Camera, frames: list[edvo.Frame], tmp_path: Path
+    camera: edvo.Camera,
+    frames: list[edvo.Frame],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    import rerun as rr
     from conftest import Memory
 
+    sent: dict[str, int] = {}
+    send = rr.send_columns
+
+    def counting(name: str, *, indexes: list[Any], columns: Any, recording: Any) -> None:
+        sent[name] = sent.get(name, 0) + len(indexes[0].times)
+        send(name, indexes=indexes, columns=columns, recording=recording)
+
+    monkeypatch.setattr(rr, "send_columns", counting)
+    monkeypatch.setattr(view, "MOST_ROWS", 4)
     watcher = view.RerunObserver(tmp_path / "run.rrd")
     edvo.run(Memory(camera, frames), observers=[watcher])
     assert watcher.dropped == 0 and watcher.failure == ""
+    assert sent == dict.fromkeys(("world/camera", *view.Rows.CURVES), len(frames))
 
 
 def test_a_finished_run_can_be_shown(plain: Path, tmp_path: Path) -> None:
