@@ -10,6 +10,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace edvo {
 namespace {
@@ -145,6 +146,27 @@ INSTANTIATE_TEST_SUITE_P(
         BoxCase{"Corridor", box(SceneName::kCorridor, PathName::kDemo, 0), 0.025},
         BoxCase{"BoxesOrbitSeed30", box(SceneName::kBoxes, PathName::kOrbit, 30), 0.022}),
     [](const auto& one) { return std::string(one.param.name); });
+
+SequenceOptions turntable(SceneName scene, int seed, double share) {
+  return {.scene = scene,
+          .path = PathName::kStill,
+          .seed = seed,
+          .frames = 50,
+          .moving = MovingThing::kTurntable,
+          .moving_share = share,
+          .sensor = {}};
+}
+
+TEST(BadConditions, ATurntableOverAQuarterOfTheImageDoesNotMoveAStillCamera) {
+  for (const auto& [scene, seed] : {std::pair{SceneName::kLivingRoom, 1}, {SceneName::kBoxes, 3}})
+    expect_all_tracked(follow(turntable(scene, seed, 0.25)), 50, 0.025);
+}
+
+TEST(BadConditions, NorDoesOneOverHalfOfItWhereItsFramesAreTracked) {
+  const Outcome outcome = follow(turntable(SceneName::kBoxes, 3, 0.5));
+  EXPECT_GE(outcome.tracked, 20);
+  EXPECT_LT(outcome.worst, 0.05);
+}
 
 TEST(BadConditions, AWallWithoutTextureIsLost) {
   const Outcome outcome = follow({.scene = SceneName::kWall, .frames = 10, .sensor = {}});

@@ -89,7 +89,7 @@ struct PositionPrior {
 // Room to work in. Who keeps it from frame to frame tracks without taking memory from the heap;
 // what is in it between two calls means nothing.
 struct AlignScratch {
-  std::vector<float> residuals;
+  std::vector<float> residuals, other_residuals;
   DepthAssociations associations;
   std::vector<float> surface_errors;
 };

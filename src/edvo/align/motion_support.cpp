@@ -15,20 +15,6 @@ constexpr int kLeastPoints = 3;       // of a cell, for its state
 constexpr float kOtherDepth = 1.17F;  // times the expected one: not the same surface
 constexpr double kExplained = 0.5;    // [0..1] of a cell's points
 
-// Column and row of the cell that a point in view projects to.
-cv::Point cell_at(const Camera& camera, const Eigen::Vector3d& point) {
-  const auto index = [](double position, int size, int cells) {
-    return std::clamp(static_cast<int>(position * cells / size), 0, cells - 1);
-  };
-  return {index(camera.fx * point.x() / point.z() + camera.cx, camera.width, kCellColumns),
-          index(camera.fy * point.y() / point.z() + camera.cy, camera.height, kCellRows)};
-}
-
-std::size_t cell_of(const Camera& camera, float x, float y, float z) {
-  const cv::Point cell = cell_at(camera, Eigen::Vector3f(x, y, z).cast<double>());
-  return static_cast<std::size_t>(cell.y * kCellColumns + cell.x);
-}
-
 void add_intensity(const ReferenceLevel& points, const std::vector<float>& residuals, float limit,
                    const CellMask& hidden, MotionSupport& support) {
   std::array<int, kCellColumns * kCellRows> seen{}, fitting{};
@@ -160,7 +146,7 @@ CellMask moved_cells(const ReferenceLevel& points, const CellStates& states, Cel
     const double u = camera.fx * moved.x() / moved.z() + camera.cx;
     const double v = camera.fy * moved.y() / moved.z() + camera.cy;
     if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;
-    const cv::Point middle = cell_at(camera, moved);
+    const cv::Point middle = cell_at(camera, moved.x(), moved.y(), moved.z());
     for (int y = std::max(0, middle.y - 1); y <= std::min(kCellRows - 1, middle.y + 1); ++y)
       for (int x = std::max(0, middle.x - 1); x <= std::min(kCellColumns - 1, middle.x + 1); ++x)
         mask[static_cast<std::size_t>(y * kCellColumns + x)] = true;

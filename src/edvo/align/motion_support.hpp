@@ -5,6 +5,7 @@
 
 #include "edvo/align/align.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -18,6 +19,24 @@ enum class CellState : std::uint8_t { kEmpty, kExplained, kUnexplained };
 
 using CellStates = std::array<CellState, kCells>;
 using CellMask = std::array<bool, kCells>;
+
+// Column and row of the cell that a point projects to [m], or of the nearest. In a loop the factors
+// are computed once.
+[[nodiscard]] inline cv::Point cell_at(const Camera& camera, double x, double y, double z) {
+  const double columns = static_cast<double>(kCellColumns) / camera.width;
+  const double rows = static_cast<double>(kCellRows) / camera.height;
+  const double near = 1 / z;
+  return {
+      std::clamp(static_cast<int>((camera.fx * x * near + camera.cx) * columns), 0,
+                 kCellColumns - 1),
+      std::clamp(static_cast<int>((camera.fy * y * near + camera.cy) * rows), 0, kCellRows - 1)};
+}
+
+[[nodiscard]] inline std::size_t cell_of(const Camera& camera, float x, float y, float z) {
+  const cv::Point cell =
+      cell_at(camera, static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
+  return static_cast<std::size_t>(cell.y * kCellColumns + cell.x);
+}
 
 struct SupportLimits {
   float intensity = 0;  // [grey levels] largest residual that fits

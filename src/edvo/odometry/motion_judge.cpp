@@ -72,6 +72,7 @@ class Judge {
  private:
   // The verdict on the first motion where no second one is found.
   [[nodiscard]] MotionVerdict alone() const {
+    if (evidence_.is_at_rest) return MotionVerdict::kOneMotion;
     const double usual = evidence_.state.usual_sigma;
     const double width = usual > 0 ? first_.sigma / usual : 1;
     const double explained = of_first_.intensity;
@@ -131,7 +132,8 @@ class Judge {
         support(evidence_.reference, second.alignment, limit(second.sigma));
     const double surprise = flow(second.alignment.cur_from_ref, evidence_.predicted);
     const double a = unlikeliness(of_first_, surprise_), b = unlikeliness(of_second, surprise);
-    const bool is_first = b > required(surprise_) * a, is_second = a > required(surprise) * b;
+    const bool is_first = evidence_.is_at_rest || b > required(surprise_) * a;
+    const bool is_second = a > required(surprise) * b;
     judged.verdict = is_first    ? MotionVerdict::kFirst
                      : is_second ? MotionVerdict::kSecond
                                  : MotionVerdict::kUndecided;
@@ -141,7 +143,7 @@ class Judge {
     judged.cells = is_first ? of_first_.states : of_second.states;
     judged.others =
         moved_cells(points(), judged.cells, CellState::kUnexplained, other.alignment.cur_from_ref);
-    judged.is_clear = std::max(a, b) > kBeyondDoubt * std::min(a, b);
+    judged.is_clear = evidence_.is_at_rest || std::max(a, b) > kBeyondDoubt * std::min(a, b);
     judged.is_on_lens = is_on_lens(other);
   }
 

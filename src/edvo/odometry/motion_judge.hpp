@@ -35,6 +35,7 @@ struct MotionEvidence {
   const MotionCandidates& candidates;  // current_from_last, where a second motion may be found
   SE3 predicted;                       // cur_from_ref, at constant velocity
   const TrackingState& state;
+  bool is_at_rest = false;   // the first motion is that of what stands still (RestTest)
   int undecided_frames = 0;  // lost since the last good frame because nothing was decided
 };
 

@@ -3,6 +3,7 @@
 
 #include "edvo/odometry/loss_test.hpp"
 #include "edvo/odometry/readout_time.hpp"
+#include "edvo/odometry/resting_camera.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -104,6 +105,29 @@ void ask_witness(const Witness& witness, const MotionEvidence& evidence, const C
   }
 }
 
+// Takes the motion that is the camera's, or calls the frame lost.
+void judge(const Segment& segment, const MotionEvidence& evidence, const RestTest& rest,
+           const Config& config, AlignScratch& scratch, SegmentAlignment& aligned) {
+  aligned.judged = judge_motion(aligned.result, evidence, config.tracking, scratch);
+  switch (aligned.judged.verdict) {
+    case MotionVerdict::kOneMotion:
+      break;
+    case MotionVerdict::kFirst:
+    case MotionVerdict::kSecond:
+      aligned.result = aligned.judged.camera;
+      break;
+    case MotionVerdict::kUndecided:
+      aligned.loss = LossCause::kTwoMotions;
+      break;
+    case MotionVerdict::kUnexplained:
+      aligned.loss = LossCause::kOutliers;
+      break;
+  }
+  if (rest.contradicts) aligned.loss = LossCause::kTwoMotions;
+  if (segment.witness && !rest.alignment)
+    ask_witness(*segment.witness, evidence, config, scratch, aligned);
+}
+
 }  // namespace
 
 SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
@@ -120,6 +144,9 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
     if (result.status == AlignStatus::kTracked) break;
   }
   result = guard.check(result, segment.reference, frame, velocity, prior, state, scratch);
+  const RestTest rest =
+      test_rest(result, segment.reference, frame, sigma_baseline(state), config.tracking, scratch);
+  if (rest.alignment) result = *rest.alignment;
   LossCause loss = loss_cause(result, config.tracking, state, frame.stamp);
   const LossCause fault = loss == LossCause::kNone ? loss : image_fault(frame, config.selection);
   if (fault != LossCause::kNone) {
@@ -143,23 +170,9 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
                                    .candidates = near,
                                    .predicted = velocity * state.alignment.cur_from_ref,
                                    .state = state,
+                                   .is_at_rest = rest.alignment.has_value(),
                                    .undecided_frames = segment.undecided_frames};
-  aligned.judged = judge_motion(result, evidence, config.tracking, scratch);
-  switch (aligned.judged.verdict) {
-    case MotionVerdict::kOneMotion:
-      break;
-    case MotionVerdict::kFirst:
-    case MotionVerdict::kSecond:
-      aligned.result = aligned.judged.camera;
-      break;
-    case MotionVerdict::kUndecided:
-      aligned.loss = LossCause::kTwoMotions;
-      break;
-    case MotionVerdict::kUnexplained:
-      aligned.loss = LossCause::kOutliers;
-      break;
-  }
-  if (segment.witness) ask_witness(*segment.witness, evidence, config, scratch, aligned);
+  judge(segment, evidence, rest, config, scratch, aligned);
   frame.shutter.velocity =
       aligned.loss == LossCause::kNone
           ? velocity_since(state, aligned.result.alignment.cur_from_ref, frame.stamp)
