@@ -21,9 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.camera import Camera
-from edvo.errors import Error, missing_extra
+from edvo.errors import Error
 from edvo.observer import Image, Keyframe, KeyframePose, Observer, SourceInfo
 from edvo.odometry import FrameResult
+from edvo.rerun_log import Log, Rows, rerun
 from edvo.runner import Run
 from edvo.trajectory import Trajectory
 
@@ -31,20 +32,11 @@ WAITING = 8  # frames that the viewer may be behind; further ones are not shown
 GRPC_PORT, WEB_PORT = 9876, 9090
 IMAGE_PERIOD = 0.3  # [s], between images and moved keyframes that a live viewer gets: they cost time
 ROWS_PERIOD = 0.1  # [s], between two sendings of poses and curves to a live viewer
-MOST_ROWS = 100  # frames of which poses and curves are sent together
 PATH_PERIOD = 10  # frames between two drawings of the path in a recording
 SWITCH_SECONDS = 5e-5  # [s] after which a thread of Python lets another run; Python's own is 5e-3
 FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
 MOVED = 1e-4  # [m, rad] of a keyframe that is shown anew
 PATH, TRUTH, LOST, FINAL = [255, 160, 60], [150, 150, 150], [220, 50, 50], [90, 170, 255]
-
-
-def rerun() -> Any:
-    try:
-        import rerun as module
-    except ImportError:
-        raise missing_extra("the viewer", "rerun-sdk", "view") from None
-    return module
 
 
 def blueprint(with_images: bool = True) -> Any:
@@ -141,87 +133,6 @@ def wait_for_pages() -> None:
         pass
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-class Log:
-    """What the live view and that of a finished run write in the same way."""
-
-    def __init__(self) -> None:
-        self.rr = rerun()
-        self.out = self.rr.RecordingStream("edvo")
-
-    def line(self, name: str, positions: NDArray[Any], colour: list[int]) -> None:
-        if len(positions):
-            self.out.log(name, self.rr.LineStrips3D([positions], colors=[colour]))
-
-    def lines(self, name: str, trajectory: Trajectory, colour: list[int]) -> None:
-        """One for each segment."""
-        parts = [
-            trajectory.positions[trajectory.segments == segment]
-            for segment in np.unique(trajectory.segments)
-        ]
-        if parts:
-            self.out.log(name, self.rr.LineStrips3D(parts, colors=[colour]))
-
-    def at(self, stamp_ns: int) -> None:
-        self.out.set_time("stamp", timestamp=np.datetime64(stamp_ns, "ns"))
-
-    def pose(self, name: str, pose: NDArray[np.float64]) -> None:
-        self.out.log(name, self.rr.Transform3D(translation=pose[:3, 3], mat3x3=pose[:3, :3]))
-
-    def frustum(self, name: str, camera: Camera, distance: float) -> None:
-        self.out.log(
-            name,
-            self.rr.Pinhole(
-                image_from_camera=camera.matrix,
-                resolution=[camera.width, camera.height],
-                image_plane_distance=distance,
-            ),
-        )
-
-    def event(self, text: str, level: str = "INFO") -> None:
-        self.out.log("events", self.rr.TextLog(text, level=level))
-
-
-class Rows:
-    """Poses and curves of frames, sent together: one by one they take six times as long."""
-
-    CURVES = ("inliers/inliers", "inliers/overlap", "time/total")
-
-    def __init__(self, log: Log) -> None:
-        self._log = log
-        self._stamps: list[int] = []
-        self._poses: list[NDArray[np.float64]] = []
-        self._curves: list[tuple[float, float, float]] = []
-
-    def __len__(self) -> int:
-        return len(self._stamps)
-
-    def add(
-        self,
-        stamp_ns: int,
-        pose: NDArray[np.float64],
-        inliers: float,
-        overlap: float,
-        milliseconds: float,
-    ) -> None:
-        self._stamps.append(stamp_ns)
-        self._poses.append(pose)
-        self._curves.append((inliers, overlap, milliseconds))
-
-    def send(self) -> None:
-        if not self._stamps:
-            return
-        rr, out = self._log.rr, self._log.out
-        stamps = np.array(self._stamps, dtype="datetime64[ns]")
-        index = [rr.TimeColumn("stamp", timestamp=stamps)]
-        poses, curves = np.array(self._poses), np.array(self._curves)
-        transforms = rr.Transform3D.columns(translation=poses[:, :3, 3], mat3x3=poses[:, :3, :3])
-        rr.send_columns("world/camera", indexes=index, columns=transforms, recording=out)
-        for name, values in zip(self.CURVES, curves.T):
-            scalars = rr.Scalars.columns(scalars=values)
-            rr.send_columns(name, indexes=index, columns=scalars, recording=out)
-        self._stamps, self._poses, self._curves = [], [], []
 
 
 class RerunObserver(Observer):
@@ -345,10 +256,11 @@ class RerunObserver(Observer):
             result.milliseconds["total"],
         )
         now = time.monotonic()
-        if now - self._last_rows >= ROWS_PERIOD if self._live else len(self._rows) >= MOST_ROWS:
+        if self._live and now - self._last_rows >= ROWS_PERIOD:
             self._last_rows = now
             self._rows.send()
         shows_images = not self._live or now - self._last_image >= IMAGE_PERIOD
+        shows_path = shows_images if self._live else self._count % PATH_PERIOD == 0
         if shows_images:
             self._last_image = now
             log.frustum("world/camera/image", camera, 0.3)
@@ -363,7 +275,7 @@ class RerunObserver(Observer):
         else:
             path = self._path.setdefault(result.segment, [])
             path.append(result.pose[:3, 3])
-            if shows_images if self._live else self._count % PATH_PERIOD == 0:
+            if shows_path:
                 log.line(f"world/path/{result.segment}", np.array(path), PATH)
         self._count += 1
         if result.status in ("restarted", "relocalized"):
@@ -438,8 +350,6 @@ def log_run(log: Log, folder: Path) -> None:
             pose = Trajectory(np.zeros(1, np.int64), np.array([frame["pose"]])).poses[0]
             inliers, overlap = frame["inlier_ratio"] or np.nan, frame["overlap"] or np.nan
             rows.add(round(float(frame["stamp"]) * 1e9), pose, inliers, overlap, frame["ms"]["total"])
-            if len(rows) >= MOST_ROWS:
-                rows.send()
     rows.send()
     trajectory = Trajectory.read(folder / "trajectory.tum")
     log.lines("world/path_at_the_end", trajectory, FINAL)

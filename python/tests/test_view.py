@@ -16,7 +16,7 @@ import edvo
 from edvo.cli import main
 
 pytest.importorskip("rerun")
-from edvo import view  # noqa: E402
+from edvo import rerun_log, view  # noqa: E402
 
 
 def rerun(*words: str) -> subprocess.CompletedProcess[str]:
@@ -75,7 +75,7 @@ def test_every_frame_is_in_a_recording(
         send(name, indexes=indexes, columns=columns, recording=recording)
 
     monkeypatch.setattr(rr, "send_columns", counting)
-    monkeypatch.setattr(view, "MOST_ROWS", 4)
+    monkeypatch.setattr(rerun_log, "MOST_ROWS", 4)
     watcher = view.RerunObserver(tmp_path / "run.rrd")
     edvo.run(Memory(camera, frames), observers=[watcher])
     assert watcher.dropped == 0 and watcher.failure == ""

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/resting_camera.hpp"
 
-#include "edvo/align/motion_support.hpp"
+#include "edvo/odometry/motion_judge.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,6 @@ constexpr double kLeastShare = 0.4, kLeastSeen = 0.2;
 constexpr int kLeastCells = 8;
 
 // What stands still has depth that does; what is on the lens has that of the scene.
-constexpr double kDepthFits = 3;     // [sigmas] as in the motion judge
 constexpr double kLeastDepth = 0.7;  // [0..1] of it fits, and no less than by the first motion
 constexpr int kLeastDepths = 10;
 
@@ -71,7 +70,7 @@ struct Vote {
   CellStates states{};  // kExplained: at rest
 };
 
-Vote vote(const CellMeans& moving, const CellMeans& still, double largest) {
+Vote count_votes(const CellMeans& moving, const CellMeans& still, double largest) {
   Vote vote;
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     if (std::min(moving.points[cell], still.points[cell]) < kLeastPoints) continue;
@@ -106,15 +105,13 @@ RestTest test_rest(const AlignResult& first, const Reference& reference, const F
   rest.cur_from_ref = SE3{};
   const auto [moving, still] =
       cell_means(reference, frame, level, {first.alignment, rest}, scratch);
-  const Vote votes = vote(moving, still, largest);
+  const Vote votes = count_votes(moving, still, largest);
   if (votes.resting < kLeastCells) return {};
 
   const Reference parts = points_in(reference, votes.states, CellState::kExplained);
-  const auto depth_support = [&](const Alignment& alignment) {
-    return motion_support(parts, frame, level, alignment,
-                          {.depth = static_cast<float>(kDepthFits * options.depth_noise)}, scratch);
-  };
-  const MotionSupport at_rest = depth_support(rest), by_first = depth_support(first.alignment);
+  const MotionSupport at_rest = support_within(largest, parts, frame, rest, options, scratch);
+  const MotionSupport by_first =
+      support_within(largest, parts, frame, first.alignment, options, scratch);
   if (at_rest.depths < kLeastDepths || at_rest.depth < std::max(kLeastDepth, by_first.depth))
     return {};
   if (votes.resting < kLeastShare * votes.telling || votes.resting < kLeastSeen * votes.seen) {
