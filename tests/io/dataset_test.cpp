@@ -48,6 +48,14 @@ std::vector<int> order(const Dataset& dataset) {
   return values;
 }
 
+TEST(Dataset, ManyStampsOutOfOrderAreSaidToBeWrong) {
+  const Lists lists("0.031 rgb/0.png\n0.007 rgb/1.png\n0.016 rgb/2.png\n",
+                    "0.031 depth/0.png\n0.007 depth/1.png\n0.016 depth/2.png\n");
+  EXPECT_THAT(lists.open().warnings,
+              Contains(HasSubstr("rgb.txt:2: time stamp 0.007 is earlier than the one before; "
+                                 "sorted. 1 of 3 lines are: the stamps are probably wrong")));
+}
+
 TEST(Dataset, TumListsGiveFramesWithTheColourStamp) {
   const TemporaryFolder folder;
   write_tum_sequence(folder.path() / "fr1_tiny", 4);

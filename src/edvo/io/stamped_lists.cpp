@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 namespace edvo {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 using std::filesystem::path;
 
 constexpr std::size_t kMostCandidatesPerStamp = 200;  // a 5 kHz camera at a gap of 20 ms
+constexpr double kMostEarly = 0.1;  // share of a list's lines that a disorder of sending explains
 
 // A line of a list, whatever else it says.
 template <typename Content>
@@ -30,8 +32,18 @@ void order_by_stamp(std::vector<Record<Content>>& records, const path& file,
                     std::vector<std::string>& warnings) {
   const auto by_stamp = [](const auto& a, const auto& b) { return a.stamp < b.stamp; };
   if (const auto late = std::ranges::is_sorted_until(records, by_stamp); late != records.end()) {
-    warnings.push_back(fmt::format("{}:{}: time stamp {} is earlier than the one before; sorted",
-                                   file.string(), late->line, to_string(late->stamp)));
+    std::size_t early = 0;
+    for (std::size_t i = 1; i < records.size(); ++i)
+      early += by_stamp(records[i], records[i - 1]) ? 1U : 0U;
+    std::string warning = fmt::format("{}:{}: time stamp {} is earlier than the one before; sorted",
+                                      file.string(), late->line, to_string(late->stamp));
+    if (static_cast<double>(early) > kMostEarly * static_cast<double>(records.size()))
+      warning += fmt::format(
+          ". {} of {} lines are: the stamps are probably wrong. If the names of the images count "
+          "up, "
+          "take the lists out of the folder: images are then paired by name, at 30 Hz",
+          early, records.size());
+    warnings.push_back(std::move(warning));
     std::ranges::stable_sort(records, by_stamp);
   }
   const std::size_t count = records.size();
