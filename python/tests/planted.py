@@ -93,6 +93,16 @@ def with_far_plane(depth: np.ndarray) -> np.ndarray:
     return np.where(np.isnan(depth) | (depth > far), 13.1, depth).astype(np.float32)
 
 
+def seen_wider(depth: np.ndarray) -> np.ndarray:
+    """By a camera of 0.7 times the focal length."""
+    height, width = depth.shape
+    y = np.rint((np.arange(height) - (height - 1) / 2) / 0.7 + (height - 1) / 2).astype(int)
+    x = np.rint((np.arange(width) - (width - 1) / 2) / 0.7 + (width - 1) / 2).astype(int)
+    inside = ((y >= 0) & (y < height))[:, None] & ((x >= 0) & (x < width))
+    seen = depth[np.ix_(np.clip(y, 0, height - 1), np.clip(x, 0, width - 1))]
+    return np.where(inside, seen, np.float32(np.nan))
+
+
 def late_depth(frames: list[edvo.Frame]) -> list[edvo.Frame]:
     """By two frames."""
     return [replace(a, depth=b.depth) for a, b in zip(frames[2:], frames)]
@@ -147,6 +157,7 @@ FAULTS = [
     Fault("speckles", "speckles", of_images(depth=noisy)),
     Fault("depth of part of the image", "empty_borders", of_images(depth=with_border(0.2, np.nan))),
     Fault("depth moved by 8 px", "registration", of_images(depth=lambda z: np.roll(z, 8, axis=1))),
+    Fault("depth of a wider view", "registration", of_images(depth=seen_wider)),
     Fault("depth two frames late", "time_offset", of_frames(late_depth)),
     Fault("camera of twice the size", "intrinsics", of_camera(2)),
     Fault("camera of half the size", "intrinsics", of_camera(0.5)),

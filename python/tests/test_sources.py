@@ -190,6 +190,26 @@ def test_depth_of_a_camera_of_its_own(tmp_path: Path) -> None:
     assert np.isfinite(depth[1:-1, 1:-1]).all() and np.nanmax(np.abs(depth - 2)) < 1e-5
 
 
+def test_depth_of_a_camera_of_its_own_keeps_stamps_and_poses(tmp_path: Path) -> None:
+    """Of colour's size: the layouts that the C++ library reads, here 7-Scenes'."""
+    for i in range(2):
+        write(tmp_path / f"frame-{i:06}.color.png", colour_image(10))
+        write(tmp_path / f"frame-{i:06}.depth.png", np.full((HEIGHT, WIDTH), 2000, np.uint16))
+        np.savetxt(tmp_path / f"frame-{i:06}.pose.txt", np.eye(4))
+    camera = edvo.Camera(60, 60, 31.5, 23.5, WIDTH, HEIGHT)
+    wide = edvo.Camera(30, 30, 31.5, 23.5, WIDTH, HEIGHT)
+    moved = np.eye(4)
+    moved[2, 3] = 0.5
+    source = edvo.open_source(
+        tmp_path, camera=camera, depth_camera=wide, colour_from_depth=moved
+    )
+    assert source.ground_truth is not None and len(source.ground_truth) == 2
+    assert "depth is registered to colour here" in source.notes
+    depths = [frame.depth for frame in source]
+    assert len(depths) == 2 and np.nanmax(np.abs(depths[1] - 2.5)) < 1e-5
+    assert np.isfinite(depths[1]).mean() > 0.9
+
+
 def record3d(folder: Path) -> Path:
     lzfse = pytest.importorskip("liblzfse")
     k = [60, 0, 0, 0, 60, 0, 31.5, 23.5, 1]

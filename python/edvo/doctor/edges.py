@@ -10,7 +10,11 @@ from edvo.doctor.finding import Finding, ok, unknown
 from edvo.doctor.sample import Sample, to_gray
 from edvo.sources.base import Frame
 
-LARGEST_SHIFT = 12  # [px]
+LARGEST_SHIFT = 12  # [px] of images that are about 320 px wide
+WORKING_WIDTH = 320  # [px]
+SCALES = 1.04 ** np.arange(-13, 14)  # 0.60 to 1.67: colour cameras see less or more than depth's
+FEWEST_EDGES = 200  # pixels of an image
+LEAST_FIT = 0.25  # sigmas of the images' detail
 Map = NDArray[np.float32]
 
 
@@ -45,44 +49,103 @@ def depth_edges(frame: Frame) -> Map:
     return np.minimum(edges, 1)
 
 
-def correlations(image: Map, depth: Map) -> Map:
-    """Mean image edge under the depth edges moved by (dy, dx), over the image's mean."""
-    size = 2 * LARGEST_SHIFT + 1
-    result = np.zeros((size, size), np.float32)
-    s = LARGEST_SHIFT
-    ys, xs = np.nonzero(depth[s:-s, s:-s])
-    if len(ys) < 200:
-        return result
+def blurred(image: Map, reach: int) -> Map:
+    """The mean of (2 * reach + 1)^2 pixels, borders repeated."""
+    size = 2 * reach + 1
+    for axis in (0, 1):
+        padding = [(0, 0), (0, 0)]
+        padding[axis] = (reach + 1, reach)
+        sums = np.cumsum(np.pad(image, padding, mode="edge"), axis=axis, dtype=np.float64)
+        ends = [slice(None), slice(None)]
+        begins = [slice(None), slice(None)]
+        ends[axis], begins[axis] = slice(size, None), slice(None, -size)
+        image = ((sums[tuple(ends)] - sums[tuple(begins)]) / size).astype(np.float32)
+    return image
+
+
+def image_detail(frame: Frame) -> Map:
+    """Edges of the small image less those around them, so that busy parts count as others do."""
+    edges = image_edges(frame)
+    factor = max(1, round(edges.shape[1] / WORKING_WIDTH))
+    height, width = edges.shape[0] // factor, edges.shape[1] // factor
+    blocks = edges[: height * factor, : width * factor].reshape(height, factor, width, factor)
+    small = blocks.mean(axis=(1, 3)).astype(np.float32)
+    detail = blurred(small, 1) - blurred(small, 6)
+    return np.asarray(detail / (detail.std() + 1e-6))
+
+
+def edge_pixels(frame: Frame, shape: tuple[int, ...]) -> NDArray[np.float64] | None:
+    """(y, x) of depth edges in the small image; None = too few."""
+    ys, xs = np.nonzero(depth_edges(frame))
+    if len(ys) < FEWEST_EDGES:
+        return None
     if len(ys) > 6000:
         chosen = np.linspace(0, len(ys) - 1, 6000).astype(int)
         ys, xs = ys[chosen], xs[chosen]
-    mean = float(image.mean()) + 1e-6
-    for dy in range(-s, s + 1):
-        for dx in range(-s, s + 1):
-            result[dy + s, dx + s] = image[ys + s + dy, xs + s + dx].mean() / mean
-    return result
+    return np.asarray(np.stack([ys, xs]) * (shape[1] / frame.depth.shape[1]))
+
+
+class EdgeFit:
+    """How well depth edges, enlarged about the image's middle and moved, fit edges of images."""
+
+    def __init__(self, frames: list[Frame]) -> None:
+        self.images = []
+        self.depths = []
+        for frame in frames:
+            image = image_detail(frame)
+            depth = edge_pixels(frame, image.shape)
+            if depth is not None:
+                self.images.append(np.fft.rfft2(image))
+                self.depths.append(depth)
+                self.shape = image.shape
+
+    def at(self, scale: float) -> Map:
+        """By (dy, dx): mean detail [its sigmas] under the depth edges of all frames."""
+        s = LARGEST_SHIFT
+        height, width = self.shape
+        middle = np.array([[(height - 1) / 2], [(width - 1) / 2]])
+        total = np.zeros(self.images[0].shape, complex)
+        for image, depth in zip(self.images, self.depths):
+            y, x = np.rint((depth - middle) * scale + middle).astype(int)
+            inside = (y >= s) & (y < height - s) & (x >= s) & (x < width - s)
+            if inside.sum() < FEWEST_EDGES / 4:
+                continue
+            edges = np.zeros(self.shape, np.float32)
+            np.add.at(edges, (y[inside], x[inside]), 1 / inside.sum())
+            total += np.conj(np.fft.rfft2(edges)) * image
+        fit = np.fft.irfft2(total, self.shape) / len(self.depths)
+        around = np.arange(-s, s + 1)
+        return np.asarray(fit[np.ix_(around, around)], np.float32)
 
 
 def registration(sample: Sample) -> Finding:
-    total = np.zeros((2 * LARGEST_SHIFT + 1,) * 2, np.float32)
-    used = 0
-    for group in sample.groups:
-        for frame in group[:: max(1, len(group) // 2)]:
-            found = correlations(image_edges(frame), depth_edges(frame))
-            total += found
-            used += bool(found.any())
-    if used < 3:
+    frames = [f for group in sample.groups for f in group[:: max(1, len(group) // 2)]]
+    fit = EdgeFit(frames)
+    if len(fit.depths) < 4:
         return unknown("registration", "too few jumps in depth")
-    total /= used
-    background = float(np.median(total))
-    peak = np.unravel_index(int(total.argmax()), total.shape)
-    dy, dx = int(peak[0]) - LARGEST_SHIFT, int(peak[1]) - LARGEST_SHIFT
-    s = LARGEST_SHIFT
-    near = float(total[s - 1 : s + 2, s - 1 : s + 2].max()) - background
-    best = float(total[peak]) - background
-    measured = f"edges of depth fit edges of colour best when moved by ({dx}, {dy}) px"
-    if best < 0.15 * background:
+    maps = {scale: fit.at(scale) for scale in SCALES}
+    scale = max(maps, key=lambda s: maps[s].max())
+    best = float(maps[scale].max())
+    rival = max(float(m.max()) for other, m in maps.items() if abs(np.log(other / scale)) > 0.1)
+    if best < LEAST_FIT or best < 1.5 * rival:  # a right scale stands out
         return unknown("registration", "edges of depth and colour do not correlate anywhere")
+    factor = round(frames[0].depth.shape[1] / fit.shape[1])
+    peak = np.unravel_index(int(maps[scale].argmax()), maps[scale].shape)
+    dy, dx = (factor * (int(k) - LARGEST_SHIFT) for k in peak)
+    measured = f"edges of depth fit edges of colour best when moved by ({dx}, {dy}) px"
+    unscaled = maps[1.0]
+    s = LARGEST_SHIFT
+    near = float(unscaled[s - 1 : s + 2, s - 1 : s + 2].max())
+    if scale != 1 and best > 1.5 * float(unscaled.max()):
+        return Finding(
+            "registration",
+            "fault",
+            f"{measured} and enlarged to {scale:.2f} times their size",
+            f"depth is not registered to colour, whose focal length is about {scale:.2f} times that "
+            "of depth: record the aligned stream, or give both cameras with --camera, "
+            "--depth-camera and --colour-from-depth",
+            3,
+        )
     if max(abs(dx), abs(dy)) >= 3 and best > 1.15 * near:
         return Finding(
             "registration",

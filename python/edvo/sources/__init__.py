@@ -21,7 +21,14 @@ from edvo.sources.listed import ListedSource
 from edvo.sources.live import LiveSource
 from edvo.sources.oak import OakSource
 from edvo.sources.openni import OpenNiSource
-from edvo.sources.pairs import find_folders, images_in, is_nyu_raw, open_pairs, refuse_nyu_raw
+from edvo.sources.pairs import (
+    find_folders,
+    images_in,
+    is_nyu_raw,
+    open_pairs,
+    refuse_nyu_raw,
+    sizes_differ,
+)
 from edvo.sources.phones import StraySource, is_record3d, is_stray, open_record3d
 from edvo.sources.realsense import RealSenseSource
 
@@ -134,8 +141,8 @@ def open_source(
     if place.is_dir():
         if is_nyu_raw(place):
             raise refuse_nyu_raw(place)
-        if depth_camera is not None or needs_python(place):
+        if needs_python(place) or (depth_camera is not None and sizes_differ(place)):
             return open_pairs(place, camera, camera_size, depth_scale, **registration)
-    elif depth_camera is not None:
-        raise Error(f"{path}: a depth camera is for folders and bags", code=2)
-    return FolderSource(place, camera=camera, camera_size=camera_size, depth_scale=depth_scale)
+    return FolderSource(
+        place, camera=camera, camera_size=camera_size, depth_scale=depth_scale, **registration
+    )

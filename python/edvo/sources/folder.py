@@ -8,8 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from edvo import _core
-from edvo.camera import Camera, from_tuple
+from edvo.camera import Camera, from_tuple, read_scaled
+from edvo.registration import DepthRegistration
 from edvo.sources.base import Frame, Source
 from edvo.trajectory import Trajectory
 
@@ -24,7 +28,9 @@ def cache_folder() -> Path:
 
 class FolderSource(Source):
     """TUM, ICL-NUIM, ETH3D, Bonn, 7-Scenes, BundleFusion, ScanNet, Replica, Open3D's and Redwood's
-    recorders, association files and folders of numbered images; also as .tgz or .zip."""
+    recorders, association files and folders of numbered images; also as .tgz or .zip.
+
+    ``depth_camera``: of depth that is not registered to colour but has images of the same size."""
 
     def __init__(
         self,
@@ -33,6 +39,8 @@ class FolderSource(Source):
         camera: Camera | str | Path | None = None,
         camera_size: tuple[int, int] = (0, 0),
         depth_scale: float | None = None,
+        depth_camera: Camera | str | Path | None = None,
+        colour_from_depth: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__()
         file = None if camera is None or isinstance(camera, Camera) else Path(camera)
@@ -58,9 +66,16 @@ class FolderSource(Source):
         if self._info["ground_truth"] is not None:
             self.ground_truth = Trajectory._from_arrays(self._info["ground_truth"])
             self.ground_truth_origin = self._info["ground_truth_origin"]
+        self.registration: DepthRegistration | None = None
+        if depth_camera is not None:
+            own_depth = read_scaled(
+                depth_camera, (0, 0), (self.camera.width, self.camera.height)
+            )
+            self.registration = DepthRegistration(own_depth, self.camera, colour_from_depth)
+            self.notes.append("depth is registered to colour here")
 
     def _native(self) -> Any:
-        is_own = type(self).__iter__ is FolderSource.__iter__
+        is_own = type(self).__iter__ is FolderSource.__iter__ and self.registration is None
         return self._folder if is_own else None
 
     def _describe(self) -> dict[str, Any]:
@@ -74,6 +89,8 @@ class FolderSource(Source):
 
     def __getitem__(self, index: int) -> Frame:
         stamp_ns, decimals, rgb, depth = self._folder.read(index)
+        if self.registration is not None:
+            depth = self.registration(depth)
         return Frame(stamp_ns, rgb, depth, decimals)
 
     def __iter__(self) -> Iterator[Frame]:
