@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <set>
 
 namespace edvo {
 namespace {
@@ -208,6 +209,25 @@ GraphSummary optimize(PoseGraph& graph, const GraphOptions& options) {
   return summary;
 }
 
+namespace {
+
+// Columns of a factor that are starts or above them in the elimination tree, ascending. A column's
+// parent is its first row below the diagonal.
+std::vector<int> on_the_ways_to_the_root(const SparseMatrix& lower,
+                                         const std::vector<int>& starts) {
+  std::set<int> columns;
+  for (int column : starts)
+    while (column >= 0 && columns.insert(column).second) {
+      int parent = -1;
+      for (SparseMatrix::InnerIterator entry(lower, column); entry && parent < 0; ++entry)
+        if (entry.row() > column) parent = static_cast<int>(entry.row());
+      column = parent;
+    }
+  return {columns.begin(), columns.end()};
+}
+
+}  // namespace
+
 GraphMarginals::GraphMarginals(const PoseGraph& graph)
     : world_from_node_(graph.world_from_node),
       part_(connected_parts(graph)),
@@ -215,6 +235,7 @@ GraphMarginals::GraphMarginals(const PoseGraph& graph)
   const GraphSystem system = linearize(graph, world_from_node_, column_);
   if (system.gradient.size() == 0) return;
   factor_.compute(system.hessian);
+  diagonal_ = factor_.vectorD();
   valid_ = factor_.info() == Eigen::Success;
 }
 
@@ -225,14 +246,27 @@ Matrix6d GraphMarginals::relative_covariance(int from, int to) const {
     return Matrix6d::Identity() * std::numeric_limits<double>::infinity();
   // xi = x_to - Ad(to_from) x_from, of small errors.
   const Matrix6d J_from = -adjoint(inverse(world_from_node_[b]) * world_from_node_[a]);
-  Eigen::Matrix<double, Eigen::Dynamic, 6> right =
-      Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(factor_.rows(), 6);
-  if (column_[a] >= 0) right.middleRows<6>(column_[a]) = J_from.transpose();
-  if (column_[b] >= 0) right.middleRows<6>(column_[b]) = Matrix6d::Identity();
-  const Eigen::MatrixXd solved = factor_.solve(right);
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> rows =
+      Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>::Zero(factor_.rows(), 6);
+  std::vector<int> starts;
+  const auto& place = factor_.permutationP().indices();
+  const auto set = [&](int first, const Matrix6d& block) {
+    for (int i = 0; first >= 0 && i < 6; ++i) {
+      starts.push_back(place[first + i]);
+      rows.row(starts.back()) = block.row(i);
+    }
+  };
+  set(column_[a], J_from.transpose());
+  set(column_[b], Matrix6d::Identity());
+  // J A^-1 J' is the square of L^-1 J' over D, and L^-1 J' is zero but on the ways from the nodes'
+  // columns to the root of the elimination tree.
+  const SparseMatrix& lower = factor_.matrixL().nestedExpression();
   Matrix6d covariance = Matrix6d::Zero();
-  if (column_[a] >= 0) covariance += J_from * solved.middleRows<6>(column_[a]);
-  if (column_[b] >= 0) covariance += solved.middleRows<6>(column_[b]);
+  for (const int j : on_the_ways_to_the_root(lower, starts)) {
+    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry)
+      if (entry.row() > j) rows.row(entry.row()) -= entry.value() * rows.row(j);
+    covariance += rows.row(j).transpose() * rows.row(j) / diagonal_[j];
+  }
   return 0.5 * (covariance + covariance.transpose());
 }
 

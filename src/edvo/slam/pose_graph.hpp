@@ -69,6 +69,7 @@ class GraphMarginals {
   std::vector<int> part_, column_;  // of nodes; column -1: held in place
   bool valid_ = false;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  Eigen::VectorXd diagonal_;  // of the factor
 };
 
 // Decides anew which loop links hold, and optimizes with those. Links are tried by the uncertainty
