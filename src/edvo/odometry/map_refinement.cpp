@@ -9,6 +9,14 @@
 #include <utility>
 
 namespace edvo {
+namespace {
+
+// Keyframes for each that still has its images, at most, for those to be refined together. Where
+// more lie between two, they share too little view: of a rendered walk of 100 m the error is 4.4
+// instead of 6.5 mm at 2.3, 5.4 and 6.4 at 3.5, but 6.9 and 6.3 at 4.7, 10.7 and 6.5 at 7.
+constexpr std::size_t kMostThinned = 4;
+
+}  // namespace
 
 // At most as many keyframes as a window has candidates are kept, first all and then every second.
 void Odometry::State::archive_segment(Segment&& old) {
@@ -48,6 +56,7 @@ void Odometry::State::correct(std::span<const MapKeyframe> keyframes) {
 // Keyframes whose images were dropped follow the one before them.
 void Odometry::State::refine_all(int threads) {
   if (config.window.keyframes == 0 || config.window.final_iterations == 0) return;
+  if (all_keyframes().size() * kMostThinned < map.keyframes().size()) return;
   const JointOptions joint{.iterations = config.window.final_iterations, .threads = threads};
   std::map<int, std::vector<WindowKeyframe*>> segments_of;
   for (WindowKeyframe* const key : all_keyframes()) {
