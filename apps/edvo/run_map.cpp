@@ -92,18 +92,20 @@ RunMaps::RunMaps(const RunFlags& flags, const Config& config, const RunDescripti
 }
 
 std::optional<Error> RunMaps::finish(const SlamInMap& slam, const Trajectory& trajectory,
-                                     const std::filesystem::path& folder) const {
+                                     const std::optional<std::filesystem::path>& folder) const {
   const std::optional<Localization>& localization = slam.localization();
-  if (localization) write_localization(*localization, trajectory, folder);
+  if (localization && folder) write_localization(*localization, trajectory, *folder);
   const bool is_found = !localization || !localization->segments.empty();
   // A run that tracked nothing replaces no map.
   if (writes() && (is_found || !extends_) && !slam.map().keyframes().empty())
     save_map(target_, slam.saved_map());
   if (is_found) return std::nullopt;
   return Error(ErrorCode::kMap,
-               fmt::format("{}: no part of this run was found in the map{}; {} says what was tried",
-                           map_, extends_ ? ", which stays as it was" : "",
-                           (folder / "map_links.jsonl").string()));
+               fmt::format("{}: no part of this run was found in the map{}{}", map_,
+                           extends_ ? ", which stays as it was" : "",
+                           folder ? fmt::format("; {} says what was tried",
+                                                (*folder / "map_links.jsonl").string())
+                                  : ""));
 }
 
 std::int64_t localized_frames(const Localization& localization, const Trajectory& trajectory) {

@@ -31,10 +31,11 @@ class RunMaps {
   // The earlier map; once.
   [[nodiscard]] std::optional<SavedMap> take_earlier() { return std::move(earlier_); }
 
-  // After the run: writes the map, and localization.jsonl and map_links.jsonl in the run's folder.
-  // Returns why the run is a failure: it was not found in the map.
-  [[nodiscard]] std::optional<Error> finish(const SlamInMap& slam, const Trajectory& trajectory,
-                                            const std::filesystem::path& folder) const;
+  // After the run: writes the map, and localization.jsonl and map_links.jsonl in the run's folder,
+  // if it has one. Returns why the run is a failure: it was not found in the map.
+  [[nodiscard]] std::optional<Error> finish(
+      const SlamInMap& slam, const Trajectory& trajectory,
+      const std::optional<std::filesystem::path>& folder) const;
 
  private:
   std::string map_, target_;  // files, empty = none

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
@@ -102,6 +103,7 @@ class Tracker:
     """What ``Odometry`` and ``Slam`` have in common."""
 
     _make: Any  # of _core
+    _more: dict[str, Any] = {}  # arguments of its own
 
     def __init__(
         self,
@@ -178,7 +180,11 @@ class Tracker:
     def reset(self) -> None:
         """As if no image had come."""
         self._core = self._make(
-            as_tuple(self.camera), self.options.method, list(self.options.changes), self.detector
+            as_tuple(self.camera),
+            self.options.method,
+            list(self.options.changes),
+            self.detector,
+            **self._more,
         )
 
     def trajectory(self) -> Trajectory:
@@ -238,9 +244,34 @@ class Slam(Tracker):
     While images come it is the odometry. ``finish`` looks for keyframes of the same place, joins
     segments, closes loops and refines all keyframes together; ``edvo.run`` does the same. Methods
     without keyframes (the dense one) have nothing to join: ``edvo.Error``, code 4.
+
+    ``map``: a saved map (docs/maps.md) in which ``finish`` looks for this run; segments that are found
+    (``map_segments``) are moved into its frame. ``keep_colour``: in the map that ``save_map`` writes.
     """
 
     _make = _core.Slam
+
+    def __init__(
+        self,
+        camera: Camera,
+        options: Options | None = None,
+        *,
+        map: str | Path | None = None,
+        keep_colour: bool = False,
+        **others: Any,
+    ) -> None:
+        self._more = {"keep_colour": keep_colour, "map": None if map is None else Path(map)}
+        super().__init__(camera, options, **others)
+
+    def map_segments(self) -> list[int] | None:
+        """After ``finish``: which segments were found in the earlier map; None if there is none."""
+        found: list[int] | None = self._core.map_segments()
+        return found
+
+    def save_map(self, file: str | Path) -> None:
+        """After ``finish``: keyframes, images and links, for ``Slam(map=...)`` and ``edvo run --map``.
+        The file appears whole or not at all; ``edvo.Error`` if another program writes it."""
+        self._core.save_map(Path(file))
 
     def links(self) -> list[Link]:
         """What the last ``finish`` found out about each candidate."""

@@ -36,6 +36,7 @@ class Run:
     error: Error | None = None  # that ended it before the last frame
     links: list[Link] = field(default_factory=list)  # what became of places seen again
     findings: tuple[Finding, ...] = ()  # the doctor's gravest, if it was asked
+    map_segments: tuple[int, ...] | None = None  # found in the earlier map; None = there is none
 
     @property
     def tracked(self) -> int:
@@ -83,6 +84,7 @@ def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
         error=None if error is None else Error(*error),
         links=[Link(**link) for link in fields["links"]],
         findings=findings,
+        map_segments=None if fields["map_segments"] is None else tuple(fields["map_segments"]),
     )
 
 
@@ -99,6 +101,11 @@ def run(
     source_options: dict[str, Any] | None = None,
     doctor: bool = True,
     detector: EdgeDetector | None = None,
+    loops: bool = True,
+    final_pass: bool = True,
+    map: str | Path | None = None,
+    save_map: str | Path | None = None,
+    update_map: bool = False,
     **changes: Value,
 ) -> Run:
     """Tracks every frame of a recording, as ``edvo run`` does, to the same bits.
@@ -107,7 +114,10 @@ def run(
     ``method`` and keywords "group.field", and ``detector``, as for ``Odometry``. ``threads``: one of them tracks, the
     others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), replaced
     with ``force``. ``doctor``: of a path, look for grave faults first (``Run.findings``; they are in
-    the report, too). Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
+    the report, too). ``loops``, ``final_pass``: what ``--no-loops`` and ``--no-final-pass`` leave out.
+    ``map``: a saved map in whose frame the poses are where the run is found in it (``Run.map_segments``;
+    if it is not, ``edvo.Error``), ``update_map`` extends it; ``save_map``: a file for this run's own
+    (docs/maps.md). Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
     whose results so far are its results. If the source fails on the way, raises ``edvo.Error``
     whose ``run`` has what was done until then.
     """
@@ -124,13 +134,17 @@ def run(
             opened,
             list(observers),
             chosen.method,
-            list(chosen.changes),
+            [*chosen.changes, *([] if final_pass else ["window.final_iterations=0"])],
             threads,
             None if output is None else Path(output),
             force,
             max_frames or 0,
             [f"doctor: {finding}" for finding in findings],
             detector,
+            loops,
+            None if map is None else Path(map),
+            None if save_map is None else Path(save_map),
+            update_map,
         ),
         tuple(findings),
     )

@@ -3,10 +3,14 @@
 #include "edvo/odometry/odometry.hpp"
 #include "bindings.hpp"
 #include "edvo/core/error.hpp"
-#include "edvo/slam/slam.hpp"
+#include "edvo/report/machine.hpp"
+#include "edvo/saved_map/map_file.hpp"
+#include "edvo/saved_map/map_lock.hpp"
+#include "edvo/saved_map/slam_in_map.hpp"
 #include "observers.hpp"
 
 #include <fmt/core.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -17,6 +21,8 @@
 
 namespace edvo::python {
 namespace {
+
+namespace fs = std::filesystem;
 
 Method method_named(const std::string& wanted) {
   std::string known;
@@ -147,11 +153,12 @@ void add_odometry(nb::module_& module) {
             new (place) Odometry(lens, config, detector_of(config, lens, detector));
           },
           "camera"_a, "method"_a, "changes"_a, "detector"_a.none());
-  add_tracker<Slam>(module, "Slam")
+  add_tracker<SlamInMap>(module, "Slam")
       .def(
           "__init__",
-          [](Slam* place, const CameraTuple& camera, const std::string& method,
-             const std::vector<std::string>& changes, const nb::object& detector) {
+          [](SlamInMap* place, const CameraTuple& camera, const std::string& method,
+             const std::vector<std::string>& changes, const nb::object& detector,
+             bool keep_colour, const std::optional<fs::path>& map) {
             const Config config = config_of(method, changes);
             if (!has_back_end(config))
               throw Error(ErrorCode::kConfig,
@@ -159,10 +166,29 @@ void add_odometry(nb::module_& module) {
                                       "edvo.Odometry, or another method",
                                       method));
             const DistortedCamera lens = to_camera(camera);
-            new (place) Slam(lens, config, {}, detector_of(config, lens, detector));
+            new (place)
+                SlamInMap(lens, config, {.loops = {}, .links = {}, .keep_colour = keep_colour},
+                          detector_of(config, lens, detector),
+                          {.camera = lens.pinhole,
+                           .method = method,
+                           .config = to_toml(config),
+                           .made_by = "edvo " + this_machine().edvo},
+                          map ? std::optional(load_map(*map)) : std::nullopt, false);
           },
-          "camera"_a, "method"_a, "changes"_a, "detector"_a.none())
-      .def("links", [](const Slam& slam) { return link_list(slam.links()); });
+          "camera"_a, "method"_a, "changes"_a, "detector"_a.none(), "keep_colour"_a,
+          "map"_a.none())
+      .def("links", [](const SlamInMap& slam) { return link_list(slam.links()); })
+      .def("map_segments",
+           [](const SlamInMap& slam) {
+             return slam.localization() ? nb::cast(slam.localization()->segments) : nb::none();
+           })
+      .def(
+          "save_map",
+          [](const SlamInMap& slam, const fs::path& file) {
+            const MapLock lock(file);
+            save_map(file, slam.saved_map());
+          },
+          "file"_a, nb::call_guard<nb::gil_scoped_release>());
 }
 
 }  // namespace edvo::python

@@ -164,3 +164,68 @@ def test_ctrl_c_in_a_detector_is_ctrl_c(camera: edvo.Camera, frames: Frames) -> 
 
     with pytest.raises(KeyboardInterrupt):
         track(edvo.Odometry(camera, detector=Stopped()), frames[:3])
+
+
+def visit(interrupted: Memory, first: int, last: int) -> Memory:
+    return Memory(interrupted.camera, interrupted.list[first:last], None)
+
+
+def test_a_run_is_found_in_the_map_of_another(interrupted: Memory, tmp_path: Path) -> None:
+    file = tmp_path / "room.edvomap"
+    first = edvo.run(visit(interrupted, 0, 80), save_map=file)
+    assert first.map_segments is None and file.is_file()
+    second = edvo.run(visit(interrupted, 20, 100), map=file)
+    assert second.map_segments == (0,)
+    by_stamp = dict(zip(first.trajectory.stamps_ns.tolist(), first.trajectory.values))
+    common = [
+        (by_stamp[stamp][:3], values[:3])
+        for stamp, values in zip(second.trajectory.stamps_ns.tolist(), second.trajectory.values)
+        if stamp in by_stamp
+    ]
+    assert len(common) >= 50
+    assert max(np.linalg.norm(a - b) for a, b in common) < 0.02
+    size = file.stat().st_size
+    edvo.run(visit(interrupted, 20, 100), map=file, update_map=True)
+    assert file.stat().st_size > size
+
+
+def test_a_map_made_by_hand_is_that_of_a_run(interrupted: Memory, tmp_path: Path) -> None:
+    frames = interrupted.list[:60]
+    by_run, by_hand = tmp_path / "run.edvomap", tmp_path / "hand.edvomap"
+    edvo.run(visit(interrupted, 0, 60), save_map=by_run)
+    slam = edvo.Slam(interrupted.camera, keep_colour=True)
+    track(slam, frames)
+    slam.finish()
+    slam.save_map(by_hand)
+    assert slam.map_segments() is None
+    assert by_hand.stat().st_size == by_run.stat().st_size
+    again = edvo.Slam(interrupted.camera, map=by_hand)
+    track(again, frames)
+    again.finish()
+    assert again.map_segments() == [0]
+
+
+def test_a_run_that_is_not_in_the_map_says_so_and_keeps_its_result(
+    interrupted: Memory, tmp_path: Path
+) -> None:
+    file = tmp_path / "room.edvomap"
+    edvo.run(visit(interrupted, 0, 40), save_map=file)
+    folder = synth(tmp_path / "boxes", "--frames", "40", "--scene", "boxes")
+    with pytest.raises(edvo.Error, match="no part of this run was found in the map") as caught:
+        edvo.run(folder, map=file, doctor=False)
+    assert len(caught.value.run.trajectory) == 40
+    with pytest.raises(edvo.Error, match="which map"):
+        edvo.run(interrupted, update_map=True)
+
+
+def test_loops_and_the_final_pass_can_be_left_out(interrupted: Memory) -> None:
+    frames = visit(interrupted, 0, 60)
+    odometry = edvo.Odometry(interrupted.camera)
+    track(odometry, frames.list)
+    odometry.finish()
+    alone = edvo.run(frames, loops=False)
+    assert np.array_equal(alone.trajectory.values, odometry.trajectory().values)
+    short = edvo.run(frames, loops=False, final_pass=False)
+    same = edvo.run(frames, loops=False, **{"window.final_iterations": 0})
+    assert np.array_equal(short.trajectory.values, same.trajectory.values)
+    assert not np.array_equal(short.trajectory.values, alone.trajectory.values)
