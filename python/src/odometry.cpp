@@ -157,8 +157,8 @@ void add_odometry(nb::module_& module) {
       .def(
           "__init__",
           [](SlamInMap* place, const CameraTuple& camera, const std::string& method,
-             const std::vector<std::string>& changes, const nb::object& detector,
-             bool keep_colour, const std::optional<fs::path>& map) {
+             const std::vector<std::string>& changes, const nb::object& detector, bool keep_colour,
+             const std::optional<fs::path>& map) {
             const Config config = config_of(method, changes);
             if (!has_back_end(config))
               throw Error(ErrorCode::kConfig,
@@ -175,8 +175,7 @@ void add_odometry(nb::module_& module) {
                            .made_by = "edvo " + this_machine().edvo},
                           map ? std::optional(load_map(*map)) : std::nullopt, false);
           },
-          "camera"_a, "method"_a, "changes"_a, "detector"_a.none(), "keep_colour"_a,
-          "map"_a.none())
+          "camera"_a, "method"_a, "changes"_a, "detector"_a.none(), "keep_colour"_a, "map"_a.none())
       .def("links", [](const SlamInMap& slam) { return link_list(slam.links()); })
       .def("map_segments",
            [](const SlamInMap& slam) {

@@ -55,7 +55,7 @@ struct MappedOutcome {
 
 // Without the GIL.
 MappedOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const RunChoice& choice,
-                        const Config& config, std::unique_ptr<EdgeDetector> detector) {
+                           const Config& config, std::unique_ptr<EdgeDetector> detector) {
   const DistortedCamera camera = source.info().camera;
   RunDescription description =
       describe_run(source.info(), "edvo.run", choice.method, to_toml(config));
@@ -115,14 +115,14 @@ void add_run(nb::module_& module) {
          const std::vector<std::string>& findings, const nb::object& detector, bool loops,
          const std::optional<fs::path>& map, const std::optional<fs::path>& save_map,
          bool update_map) {
-        return run_source(source, observers,
-                          {method, changes, threads, output, force, findings, loops, map, save_map,
-                           update_map},
-                          max_frames, detector);
+        return run_source(
+            source, observers,
+            {method, changes, threads, output, force, findings, loops, map, save_map, update_map},
+            max_frames, detector);
       },
       "source"_a, "observers"_a, "method"_a, "changes"_a, "threads"_a, "output"_a.none(), "force"_a,
-      "max_frames"_a, "findings"_a, "detector"_a.none(), "loops"_a,
-      "map"_a.none(), "save_map"_a.none(), "update_map"_a);
+      "max_frames"_a, "findings"_a, "detector"_a.none(), "loops"_a, "map"_a.none(),
+      "save_map"_a.none(), "update_map"_a);
 }
 
 }  // namespace edvo::python

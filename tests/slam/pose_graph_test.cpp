@@ -2,6 +2,7 @@
 #include "edvo/slam/pose_graph.hpp"
 
 #include "edvo/core/random.hpp"
+#include "edvo/slam/graph_chains.hpp"
 #include "support/matchers.hpp"
 
 #include <gtest/gtest.h>
@@ -222,6 +223,28 @@ TEST_P(WrongLinks, AreAllSwitchedOffAndTheRightOnesStay) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Percent, WrongLinks, ::testing::Values(1, 5, 10, 20, 30, 40, 50));
+
+// The nodes that no loop touches come out as if all had been optimized together.
+TEST(PoseGraph, ChainsOfOdometryAreLeftOutWithoutLoss) {
+  Random random{11};
+  const std::vector<SE3> truth = circle(8 * kLap);
+  PoseGraph graph = drifting(truth, random);
+  add_right_loops(graph, truth, 20, random);
+  for (GraphLink& link : graph.links)  // some steps measured the other way round
+    if (link.kind == LinkKind::kOdometry && link.from % 3 == 0) {
+      std::swap(link.from, link.to);
+      const Matrix6d turned = adjoint(inverse(link.from_pose_to));
+      link.information = turned.transpose().inverse() * link.information * turned.inverse();
+      link.from_pose_to = inverse(link.from_pose_to);
+    }
+  PoseGraph reduced = graph;
+  optimize(graph);
+  select_links(reduced);
+  EXPECT_LT(GraphChains(reduced).reduced().world_from_node.size(), truth.size() / 4);
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    EXPECT_THAT(reduced.world_from_node[i], NearPose(graph.world_from_node[i], 1e-4)) << i;
+  for (const GraphLink& link : reduced.links) EXPECT_TRUE(link.enabled);
+}
 
 }  // namespace
 }  // namespace edvo

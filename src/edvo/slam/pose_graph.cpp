@@ -1,14 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/slam/pose_graph.hpp"
 
+#include "edvo/slam/graph_chains.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <set>
 
 namespace edvo {
+
+std::vector<int> connected_parts(const PoseGraph& graph) {
+  std::vector<int> part(graph.world_from_node.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](int node) {
+    while (part[static_cast<std::size_t>(node)] != node) {
+      int& above = part[static_cast<std::size_t>(node)];
+      above = part[static_cast<std::size_t>(above)];
+      node = above;
+    }
+    return node;
+  };
+  for (const GraphLink& link : graph.links) {
+    if (!link.enabled) continue;
+    const int a = root(link.from), b = root(link.to);
+    part[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  for (std::size_t i = 0; i < part.size(); ++i) part[i] = root(static_cast<int>(i));
+  return part;
+}
+
 namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
@@ -50,27 +72,6 @@ double total_cost(const PoseGraph& graph, const std::vector<SE3>& poses) {
     cost += 0.5 * r.dot(link.information * r);
   }
   return cost;
-}
-
-// For each node the lowest node that enabled links connect it with.
-std::vector<int> connected_parts(const PoseGraph& graph) {
-  std::vector<int> part(graph.world_from_node.size());
-  std::iota(part.begin(), part.end(), 0);
-  const auto root = [&](int node) {
-    while (part[static_cast<std::size_t>(node)] != node) {
-      int& above = part[static_cast<std::size_t>(node)];
-      above = part[static_cast<std::size_t>(above)];
-      node = above;
-    }
-    return node;
-  };
-  for (const GraphLink& link : graph.links) {
-    if (!link.enabled) continue;
-    const int a = root(link.from), b = root(link.to);
-    part[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-  for (std::size_t i = 0; i < part.size(); ++i) part[i] = root(static_cast<int>(i));
-  return part;
 }
 
 // First column of each node's unknowns, -1 for the node that holds its part in place.
@@ -209,25 +210,6 @@ GraphSummary optimize(PoseGraph& graph, const GraphOptions& options) {
   return summary;
 }
 
-namespace {
-
-// Columns of a factor that are starts or above them in the elimination tree, ascending. A column's
-// parent is its first row below the diagonal.
-std::vector<int> on_the_ways_to_the_root(const SparseMatrix& lower,
-                                         const std::vector<int>& starts) {
-  std::set<int> columns;
-  for (int column : starts)
-    while (column >= 0 && columns.insert(column).second) {
-      int parent = -1;
-      for (SparseMatrix::InnerIterator entry(lower, column); entry && parent < 0; ++entry)
-        if (entry.row() > column) parent = static_cast<int>(entry.row());
-      column = parent;
-    }
-  return {columns.begin(), columns.end()};
-}
-
-}  // namespace
-
 GraphMarginals::GraphMarginals(const PoseGraph& graph)
     : world_from_node_(graph.world_from_node),
       part_(connected_parts(graph)),
@@ -235,42 +217,52 @@ GraphMarginals::GraphMarginals(const PoseGraph& graph)
   const GraphSystem system = linearize(graph, world_from_node_, column_);
   if (system.gradient.size() == 0) return;
   factor_.compute(system.hessian);
-  diagonal_ = factor_.vectorD();
   valid_ = factor_.info() == Eigen::Success;
+  if (!valid_) return;
+  diagonal_ = factor_.vectorD();
+  rows_.setZero(factor_.rows(), 6);
+  on_way_.assign(static_cast<std::size_t>(factor_.rows()), false);
 }
 
-Matrix6d GraphMarginals::relative_covariance(int from, int to) const {
+Matrix6d GraphMarginals::relative_covariance(int from, int to) {
   const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
   if (from == to) return Matrix6d::Zero();
   if (!valid_ || part_[a] != part_[b])
     return Matrix6d::Identity() * std::numeric_limits<double>::infinity();
   // xi = x_to - Ad(to_from) x_from, of small errors.
   const Matrix6d J_from = -adjoint(inverse(world_from_node_[b]) * world_from_node_[a]);
-  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> rows =
-      Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>::Zero(factor_.rows(), 6);
-  std::vector<int> starts;
-  const auto& place = factor_.permutationP().indices();
+  // J A^-1 J' is the square of L^-1 J' over D, and L^-1 J' is zero but on the ways from the nodes'
+  // columns to the root of the elimination tree, where a column's parent is its first row.
+  const SparseMatrix& lower = factor_.matrixL().nestedExpression();
+  std::vector<int> way;
   const auto set = [&](int first, const Matrix6d& block) {
     for (int i = 0; first >= 0 && i < 6; ++i) {
-      starts.push_back(place[first + i]);
-      rows.row(starts.back()) = block.row(i);
+      int column = factor_.permutationP().indices()[first + i];
+      rows_.row(column) = block.row(i);
+      while (column >= 0 && !on_way_[static_cast<std::size_t>(column)]) {
+        on_way_[static_cast<std::size_t>(column)] = true;
+        way.push_back(column);
+        const SparseMatrix::InnerIterator below(lower, column);
+        column = below ? static_cast<int>(below.row()) : -1;
+      }
     }
   };
   set(column_[a], J_from.transpose());
   set(column_[b], Matrix6d::Identity());
-  // J A^-1 J' is the square of L^-1 J' over D, and L^-1 J' is zero but on the ways from the nodes'
-  // columns to the root of the elimination tree.
-  const SparseMatrix& lower = factor_.matrixL().nestedExpression();
+  std::sort(way.begin(), way.end());
   Matrix6d covariance = Matrix6d::Zero();
-  for (const int j : on_the_ways_to_the_root(lower, starts)) {
-    for (SparseMatrix::InnerIterator entry(lower, j); entry; ++entry)
-      if (entry.row() > j) rows.row(entry.row()) -= entry.value() * rows.row(j);
-    covariance += rows.row(j).transpose() * rows.row(j) / diagonal_[j];
+  for (const int j : way) {
+    const Eigen::Matrix<double, 1, 6> row = rows_.row(j);
+    for (SparseMatrix::InnerIterator below(lower, j); below; ++below)
+      rows_.row(below.row()) -= below.value() * row;
+    covariance += row.transpose() * row / diagonal_[j];
+    rows_.row(j).setZero();
+    on_way_[static_cast<std::size_t>(j)] = false;
   }
   return 0.5 * (covariance + covariance.transpose());
 }
 
-double GraphMarginals::cycle_chi_square(const GraphLink& link) const {
+double GraphMarginals::cycle_chi_square(const GraphLink& link) {
   const Matrix6d predicted = relative_covariance(link.from, link.to);
   if (!predicted.allFinite()) return 0;  // nothing to contradict
   const Matrix6d covariance = predicted + link.information.inverse();
@@ -291,7 +283,7 @@ struct Candidate {
 
 std::vector<Candidate> candidates_of(const PoseGraph& graph,
                                      const std::vector<std::size_t>& undecided) {
-  const GraphMarginals marginals(graph);
+  GraphMarginals marginals(graph);
   std::vector<Candidate> all;
   for (const std::size_t i : undecided) {
     const GraphLink& link = graph.links[i];
@@ -324,9 +316,7 @@ void switch_off_worst(PoseGraph& graph, const GraphOptions& options, GraphSummar
   }
 }
 
-}  // namespace
-
-GraphSummary select_links(PoseGraph& graph, const GraphOptions& options) {
+GraphSummary select_without_chains(PoseGraph& graph, const GraphOptions& options) {
   std::vector<std::size_t> undecided;
   for (std::size_t i = 0; i < graph.links.size(); ++i) {
     if (graph.links[i].kind != LinkKind::kLoop) continue;
@@ -354,6 +344,16 @@ GraphSummary select_links(PoseGraph& graph, const GraphOptions& options) {
   for (const Candidate& c : candidates_of(graph, off))
     graph.links[c.link].enabled = c.chi_square <= options.gate;
   switch_off_worst(graph, options, summary);
+  return summary;
+}
+
+}  // namespace
+
+GraphSummary select_links(PoseGraph& graph, const GraphOptions& options) {
+  if (!all_finite(graph)) return {.status = GraphStatus::kNotFinite};
+  GraphChains chains(graph);
+  const GraphSummary summary = select_without_chains(chains.reduced(), options);
+  chains.restore(graph);
   return summary;
 }
 

@@ -48,6 +48,9 @@ struct GraphSummary {
 // Squared Mahalanobis distance of a measurement from the present poses.
 [[nodiscard]] double chi_square(const PoseGraph& graph, const GraphLink& link);
 
+// For each node the lowest node that enabled links connect it with.
+[[nodiscard]] std::vector<int> connected_parts(const PoseGraph& graph);
+
 // Lowers the sum of the enabled links' chi-squares / 2 by Levenberg-Marquardt. The first node of
 // each connected part stays where it is. The order of work is fixed: same bits from run to run.
 GraphSummary optimize(PoseGraph& graph, const GraphOptions& options = {});
@@ -58,11 +61,11 @@ class GraphMarginals {
   explicit GraphMarginals(const PoseGraph& graph);
 
   // Covariance of xi in from_pose_to * exp(xi); infinite where nothing connects the two.
-  [[nodiscard]] Matrix6d relative_covariance(int from, int to) const;
+  [[nodiscard]] Matrix6d relative_covariance(int from, int to);
 
   // Squared Mahalanobis distance of a measurement from what the other links tell, both uncertain:
   // the chi-square of the cycle that the link closes.
-  [[nodiscard]] double cycle_chi_square(const GraphLink& link) const;
+  [[nodiscard]] double cycle_chi_square(const GraphLink& link);
 
  private:
   std::vector<SE3> world_from_node_;
@@ -70,6 +73,9 @@ class GraphMarginals {
   bool valid_ = false;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
   Eigen::VectorXd diagonal_;  // of the factor
+  // Scratch, zero and false between calls.
+  Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> rows_;
+  std::vector<bool> on_way_;
 };
 
 // Decides anew which loop links hold, and optimizes with those. Links are tried by the uncertainty
