@@ -109,6 +109,23 @@ TEST(JoinSegments, LeavesApartWhatHardlyLooksAlike) {
   EXPECT_EQ(links[0].status, LinkStatus::kAlone);
 }
 
+// Of many links between two rooms that look alike a few are sure by chance.
+TEST(JoinSegments, LeavesApartWhatFewOfTheAgreeingLinksAreSureOf) {
+  for (const int unsure : {6, 7}) {
+    World world = around(SE3{});
+    for (std::size_t i = 12; i < world.map.size(); ++i) world.map[i].segment = 1;
+    std::vector<LinkReport> links;
+    for (std::size_t k = 0; k < 2 + static_cast<std::size_t>(unsure); ++k) {
+      const std::size_t to = 12 + k % 4;
+      links.push_back(link_between(static_cast<std::int64_t>(k), static_cast<std::int64_t>(to),
+                                   between(world.truth, k, to)));
+      links.back().alike = k < 2 ? 0.6 : 0.4;
+    }
+    join_segments(world.map, links);
+    EXPECT_EQ(world.map.back().segment, unsure == 6 ? 0 : 1);
+  }
+}
+
 TEST(JoinSegments, LeavesApartWhatAsManyLinksContradict) {
   World world = around(SE3{});
   for (std::size_t i = 8; i < world.map.size(); ++i) world.map[i].segment = 1;

@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kAgreeing = 0.1;  // [m], [rad] between what two links tell of two segments
 constexpr int kSupport = 2;        // links that agree, for two segments to be joined
-
-constexpr double kBent = 0.01;  // [m], [rad]
+constexpr double kBent = 0.01;     // [m], [rad]
 
 // Sigmas of a step of the odometry beside those that tracking reports.
 constexpr double kStepSigma = 0.001;  // [m], [rad]
@@ -33,8 +32,9 @@ constexpr double kAlike = 0.5;
 struct Join {
   int into = 0, segment = 0;
   SE3 into_from_segment;  // world of the one from that of the other
-  int support = 0;        // links that agree
-  int against = 0;        // links between the same two that do not
+  int support = 0;        // sure links that agree
+  int unsure = 0;         // others that do
+  int against = 0;        // sure links between the same two that do not
 };
 
 // Between the worlds of two segments, the lower id first.
@@ -69,22 +69,29 @@ bool agree(const Join& join, const std::vector<MapKeyframe>& keyframes, const Li
 // The join on which most links agree.
 Join best_join(const std::vector<MapKeyframe>& keyframes, const std::vector<LinkReport>& links) {
   std::vector<const LinkReport*> between;
-  std::set<std::pair<std::int64_t, std::int64_t>> pairs;
   for (const LinkReport& link : links)
-    if (link.status == LinkStatus::kAccepted && is_sure(link) &&
-        at(keyframes, link.from).segment != at(keyframes, link.to).segment &&
-        pairs.emplace(link.from, link.to).second)
+    if (link.status == LinkStatus::kAccepted &&
+        at(keyframes, link.from).segment != at(keyframes, link.to).segment)
       between.push_back(&link);
+  // Sure ones first: they stand for their pair.
+  std::stable_partition(between.begin(), between.end(),
+                        [](const LinkReport* link) { return is_sure(*link); });
+  std::set<std::pair<std::int64_t, std::int64_t>> pairs;
+  std::erase_if(
+      between, [&](const LinkReport* link) { return !pairs.emplace(link->from, link->to).second; });
   Join best;
   for (const LinkReport* const link : between) {
+    if (!is_sure(*link)) break;
     Join join = join_by(keyframes, *link);
     for (const LinkReport* const other : between) {
       if (agree(join, keyframes, *other))
-        ++join.support;
-      else if (joins_the_same(join, keyframes, *other))
+        ++(is_sure(*other) ? join.support : join.unsure);
+      else if (is_sure(*other) && joins_the_same(join, keyframes, *other))
         ++join.against;
     }
-    if (join.support > join.against && join.support > best.support) best = join;
+    if (join.support > join.against && join.unsure <= kMostUnsure * join.support &&
+        join.support > best.support)
+      best = join;
   }
   return best;
 }

@@ -79,7 +79,9 @@ void Relocalizer::look_for(const Frame& frame, const FrameResult& result, const 
   sightings_.push_back({.segment = seen.segment,
                         .found_from_segment = seen.world_from_camera * link->from_pose_to *
                                               inverse(result.world_from_camera),
-                        .camera = result.world_from_camera});
+                        .camera = result.world_from_camera,
+                        .is_sure = is_sure(*link)});
+  if (!is_sure(*link)) return;
   if (!result.new_keyframe) {
     const SE3 camera_from_keyframe = inverse(result.keyframe_from_camera);
     const Matrix6d across = adjoint(camera_from_keyframe);
@@ -90,7 +92,7 @@ void Relocalizer::look_for(const Frame& frame, const FrameResult& result, const 
   settle(result.segment);
 }
 
-// The keyframe of another segment that shows what a frame shows.
+// The keyframe of another segment that shows what a frame shows; a sure one if there is one.
 std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t keyframe,
                                               int segment, const std::vector<Place>& places) {
   PlaceIndex index;
@@ -121,6 +123,7 @@ std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t k
                    [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
   candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.loops.verified)));
   std::optional<KeyframeView> to;
+  std::optional<LinkReport> unsure;
   for (const LinkReport& candidate : candidates) {
     if (!to) to = make_view(query, frame, camera_, options_.tracking);
     const KeyframeView from =
@@ -135,11 +138,13 @@ std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t k
     report.matches = candidate.matches;
     report.inliers = candidate.inliers;
     if (is_sure(report)) return report;
+    if (!unsure) unsure = report;
   }
-  return std::nullopt;
+  return unsure;
 }
 
-// Believes what two frames or more tell, and more than contradict it.
+// Believes what two frames or more tell surely, and more than contradict it, unless so many others
+// tell it unsurely that the sure ones may be chance.
 void Relocalizer::settle(int segment) {
   const Sighting& last = sightings_.back();
   const auto agrees = [&](const Sighting& other) {
@@ -148,8 +153,14 @@ void Relocalizer::settle(int segment) {
         inverse(last.found_from_segment * last.camera) * (other.found_from_segment * last.camera);
     return error.translation.norm() < kAgreeing && rotation_angle(error) < kAgreeing;
   };
-  const auto agreeing = std::count_if(sightings_.begin(), sightings_.end(), agrees);
-  if (agreeing < 2 || 2 * agreeing <= static_cast<std::ptrdiff_t>(sightings_.size())) return;
+  int sure = 0, unsure = 0, against = 0;
+  for (const Sighting& sighting : sightings_) {
+    if (agrees(sighting))
+      ++(sighting.is_sure ? sure : unsure);
+    else if (sighting.is_sure)
+      ++against;
+  }
+  if (sure < 2 || sure <= against || unsure > kMostUnsure * sure) return;
   const MapFrame into = frame_of(last.segment);
   found_[segment] = {.segment = into.segment,
                      .map_from_odometry = into.map_from_odometry * last.found_from_segment};

@@ -52,6 +52,7 @@ class Relocalizer {
     int segment = 0;         // in which it was found
     SE3 found_from_segment;  // worlds
     SE3 camera;              // of the frame, in the young segment
+    bool is_sure = false;    // the link
   };
 
   [[nodiscard]] std::optional<LinkReport> locate(const Frame& frame, std::int64_t keyframe,
