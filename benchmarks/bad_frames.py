@@ -97,6 +97,17 @@ def with_board(frame, i, share, texture):
     return stamp, colour, depth
 
 
+CARRIED = {share: (slice(120, None), slice(0, 2 * share * SIZE[0] // 100))
+           for share in (10, 20, 30, 40)}  # rows and columns of that share of the image [%]
+
+
+def with_carried(frame, share, texture):
+    """Something textured at 0.5 m that moves with the camera, as a robot's arm."""
+    stamp, colour, depth = frame[0], frame[1].copy(), frame[2].copy()
+    colour[CARRIED[share]], depth[CARRIED[share]] = texture[CARRIED[share]], 2500
+    return stamp, colour, depth
+
+
 def faults(base, foreign, joined, random):
     """Name and frames of each kind; foreign, joined: frames of another sequence."""
     noise = lambda: random.integers(0, 256, (SIZE[1], SIZE[0], 3), dtype=np.uint8)
@@ -125,6 +136,10 @@ def faults(base, foreign, joined, random):
     yield "board40", replaced(base, 0, end, lambda i, f: with_board(f, i, 0.4, texture))
     yield "still_strip33", [with_board((f[0], base[0][1], base[0][2]), i, 1 / 3, texture)
                             for i, f in enumerate(base)]
+    for share in CARRIED:
+        frames = [with_carried(f, share, texture) for f in base]
+        yield f"carried{share}", frames
+        yield f"carried{share}_masked", frames
 
 
 def generate(data, icl, out):
@@ -143,6 +158,10 @@ def generate(data, icl, out):
             for kind, frames in faults(base, foreign, joined, random):
                 clip = out / f"{name}{start}.{kind}"
                 write(clip, frames, ICL if name == "icl" else FR1, folder / "groundtruth.txt")
+                if kind.endswith("_masked"):
+                    mask = np.full(SIZE[::-1], 255, np.uint8)
+                    mask[CARRIED[int(kind[7:9])]] = 0
+                    cv2.imwrite(str(clip / "mask.png"), mask)
                 if kind == "joined":
                     stamps = zip([f[0] for f in frames[25:]], [f[0] for f in joined])
                     (clip / "groundtruth.txt").write_text(joined_truth(
@@ -158,9 +177,10 @@ def is_planted(kind, index):
 def evaluate(edvo, folder):
     """Tracked frames, wrong ones among them, lost ones and segments of one clip."""
     kind = folder.name.split(".")[1]
+    mask = ["--mask", folder / "mask.png"] if (folder / "mask.png").exists() else []
     with tempfile.TemporaryDirectory() as run:
         subprocess.run([edvo, "run", folder, "--depth-scale", "5000", "-o", run, "--force",
-                        "--no-report", "--quiet"], capture_output=True, check=False)
+                        "--no-report", "--quiet", *mask], capture_output=True, check=False)
         lines = (Path(run) / "frames.jsonl").read_text().splitlines()
     truth = np.loadtxt(folder / "groundtruth.txt")
     tracked = wrong = lost = 0

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // edvo run SEQUENCE
 #include "commands.hpp"
+#include "edvo/source/masked_source.hpp"
 #include "recorded_run.hpp"
 #include "sequence_input.hpp"
 #include "size_option.hpp"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace edvo::app {
@@ -16,6 +18,7 @@ namespace {
 struct Arguments {
   SequenceChoice sequence;
   std::string camera_size;  // WxH, empty = as the images
+  std::string mask;         // image, empty = everything is used
   RunFlags run;
   Extension::Values extra;  // options of the extension
 };
@@ -27,13 +30,21 @@ std::unique_ptr<RgbdSource> open_source(const SequenceChoice& sequence, const Ar
   return std::make_unique<FolderSource>(open_sequence(sequence, arguments.run.quiet));
 }
 
+std::unique_ptr<RgbdSource> masked(std::unique_ptr<RgbdSource> source, const std::string& file) {
+  if (file.empty()) return source;
+  const Camera& camera = source->info().camera.pinhole;
+  cv::Mat_<std::uint8_t> mask = read_mask(file, {camera.width, camera.height});
+  return std::make_unique<MaskedSource>(std::move(source), std::move(mask), file);
+}
+
 void run(const Arguments& arguments, const Extension& extension) {
   const Config config = resolve_config(arguments.run);
   SequenceChoice sequence = arguments.sequence;
   if (!arguments.camera_size.empty())
     sequence.camera_size = parse_size("--camera-size", arguments.camera_size);
   const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
-  const std::unique_ptr<RgbdSource> source = open_source(sequence, arguments, extension);
+  const std::unique_ptr<RgbdSource> source =
+      masked(open_source(sequence, arguments, extension), arguments.mask);
   std::vector<std::string> findings;
   if (extension.examine) findings = extension.examine(sequence, arguments.extra);
   run_and_show(*source, config, arguments.run, watcher.get(), findings);
@@ -63,6 +74,11 @@ void add_run_command(CLI::App& program, const Extension& extension) {
       ->type_name("WIDTHxHEIGHT");
   command->add_option("--depth-scale", sequence.depth_scale, "Depth units per metre")
       ->type_name("UNITS");
+  command
+      ->add_option("--mask", arguments->mask,
+                   "Image of the colour images' size, black where they show what moves with the "
+                   "camera, as a robot's arm: not used")
+      ->type_name("FILE");
   command->add_option("--start", sequence.first, "First frame, counted from 0")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{0}, kMostFrames));

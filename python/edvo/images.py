@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from edvo import _core
 
 Rgb = NDArray[np.uint8]  # H x W x 3
 Depth = NDArray[np.float32]  # H x W, [m], NaN = none
@@ -38,6 +41,23 @@ def check_rgb(rgb: Any, width: int, height: int) -> Rgb:
             f"{width} x {height}"
         )
     return np.ascontiguousarray(image)
+
+
+Mask = str | Path | NDArray[np.bool_] | NDArray[np.uint8]
+
+
+def visible_pixels(mask: Mask, width: int, height: int) -> NDArray[np.uint8]:
+    """H x W, 255 = used, 0 = hidden: of an image file (white = used) or an array (not 0 = used)."""
+    if isinstance(mask, (str, Path)):
+        return np.asarray(_core.read_mask(Path(mask), width, height))
+    array = np.asarray(mask)
+    if array.dtype not in (np.bool_, np.uint8):
+        raise TypeError(f"mask: dtype bool or uint8 is expected, got {array.dtype}")
+    if array.shape != (height, width):
+        raise ValueError(f"mask: shape ({height}, {width}) is expected, got {array.shape}")
+    if not array.any():
+        raise ValueError("mask: hides everything; what is to be seen must not be 0")
+    return np.ascontiguousarray(np.where(array, 255, 0), np.uint8)
 
 
 def check_depth(depth: Any, width: int, height: int) -> NDArray[Any]:

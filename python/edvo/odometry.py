@@ -14,7 +14,7 @@ from edvo import _core
 from edvo.camera import Camera, as_tuple
 from edvo.detector import EdgeDetector
 from edvo.errors import Error
-from edvo.images import check_depth, check_rgb
+from edvo.images import Mask, check_depth, check_rgb, visible_pixels
 from edvo.stamp import Seconds, nanoseconds
 from edvo.trajectory import Trajectory
 
@@ -113,6 +113,7 @@ class Tracker:
         method: str = _core.default_method,
         depth_scale: float | None = None,
         detector: EdgeDetector | None = None,
+        mask: Mask | None = None,
         **changes: Value,
     ) -> None:
         if options is not None and (changes or method != _core.default_method):
@@ -121,6 +122,8 @@ class Tracker:
         self.options = options if options is not None else Options(method, **changes)
         self.depth_scale = depth_scale
         self.detector = detector
+        hidden = None if mask is None else visible_pixels(mask, camera.width, camera.height) == 0
+        self._hidden = hidden
         self.reset()
 
     def process(
@@ -151,6 +154,8 @@ class Tracker:
         width, height = self.camera.width, self.camera.height
         rgb = check_rgb(rgb, width, height)
         depth = check_depth(depth, width, height)
+        if self._hidden is not None:
+            depth = np.where(self._hidden, depth.dtype.type(0), depth)
         try:
             if depth.dtype == np.uint16:
                 scale = self._units_per_metre(depth_scale)
@@ -208,7 +213,7 @@ class Odometry(Tracker):
 
         odometry = edvo.Odometry(camera, **{"keyframes.period": 30})
 
-    ``detector``: an ``EdgeDetector`` instead of what the options name.
+    ``detector``: an ``EdgeDetector`` instead of what the options name. ``mask``: as ``edvo.run`` has it.
     """
 
     _make = _core.Odometry

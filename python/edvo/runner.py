@@ -14,6 +14,7 @@ from edvo.detector import EdgeDetector
 from edvo.doctor import Finding, gravest
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, evaluate
+from edvo.images import Mask, visible_pixels
 from edvo.observer import Observer, SourceInfo, source_info
 from edvo.odometry import FrameResult, Link, Options, Value, raise_cause, result_from
 from edvo.sources import Source, open_source
@@ -106,6 +107,7 @@ def run(
     map: str | Path | None = None,
     save_map: str | Path | None = None,
     update_map: bool = False,
+    mask: Mask | None = None,
     **changes: Value,
 ) -> Run:
     """Tracks every frame of a recording, as ``edvo run`` does, to the same bits.
@@ -117,7 +119,8 @@ def run(
     the report, too). ``loops``, ``final_pass``: what ``--no-loops`` and ``--no-final-pass`` leave out.
     ``map``: a saved map in whose frame the poses are where the run is found in it (``Run.map_segments``;
     if it is not, ``edvo.Error``), ``update_map`` extends it; ``save_map``: a file for this run's own
-    (docs/maps.md). Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
+    (docs/maps.md). ``mask``: an image file or H x W array, black or 0 where colour images show what
+    moves with the camera, as a robot's arm: not used. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
     whose results so far are its results. If the source fails on the way, raises ``edvo.Error``
     whose ``run`` has what was done until then.
     """
@@ -145,6 +148,7 @@ def run(
             None if map is None else Path(map),
             None if save_map is None else Path(save_map),
             update_map,
+            None if mask is None else visible_pixels(mask, opened.camera.width, opened.camera.height),
         ),
         tuple(findings),
     )

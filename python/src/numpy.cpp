@@ -50,6 +50,15 @@ nb::object numpy_rgb(const cv::Mat_<cv::Vec3b>& bgr) {
                      {static_cast<std::size_t>(bgr.rows), static_cast<std::size_t>(bgr.cols), 3});
 }
 
+cv::Mat_<std::uint8_t> to_mask(const MaskArray& mask) {
+  return view_of<std::uint8_t>(mask).clone();
+}
+
+nb::object numpy_mask(const cv::Mat_<std::uint8_t>& mask) {
+  return numpy_array(std::vector<std::uint8_t>(mask.begin(), mask.end()),
+                     {static_cast<std::size_t>(mask.rows), static_cast<std::size_t>(mask.cols)});
+}
+
 cv::Mat_<float> to_depth(const MetreArray& metres) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr float kLargest = std::numeric_limits<float>::max();

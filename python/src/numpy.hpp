@@ -23,6 +23,7 @@ using RgbArray =
     nb::ndarray<const std::uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
 using MetreArray = nb::ndarray<const float, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using UnitArray = nb::ndarray<const std::uint16_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using MaskArray = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using StampArray = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using PoseArray = nb::ndarray<const double, nb::shape<-1, 7>, nb::c_contig, nb::device::cpu>;
 
@@ -42,6 +43,10 @@ template <typename T>
 
 // H x W x 3 RGB to BGR.
 [[nodiscard]] cv::Mat_<cv::Vec3b> to_bgr(const RgbArray& rgb);
+// H x W, as read_mask of masked_source.hpp gives it; a copy.
+[[nodiscard]] cv::Mat_<std::uint8_t> to_mask(const MaskArray& mask);
+[[nodiscard]] nb::object numpy_mask(const cv::Mat_<std::uint8_t>& mask);
+
 [[nodiscard]] nb::object numpy_rgb(const cv::Mat_<cv::Vec3b>& bgr);
 
 // Anything that is not a positive finite number becomes NaN. [m]

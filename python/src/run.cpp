@@ -4,6 +4,7 @@
 
 #include "edvo/report/recorder.hpp"
 #include "edvo/report/run_folder.hpp"
+#include "edvo/source/masked_source.hpp"
 #include "interrupt.hpp"
 #include "observers.hpp"
 #include "run_map.hpp"
@@ -87,8 +88,10 @@ MappedOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const 
 }
 
 nb::dict run_source(const nb::object& source, const nb::list& observers, const RunChoice& choice,
-                    std::int64_t max_frames, const nb::object& own_detector) {
-  const std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames});
+                    std::int64_t max_frames, const nb::object& own_detector,
+                    const std::optional<MaskArray>& mask) {
+  std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames});
+  if (mask) frames = std::make_unique<MaskedSource>(std::move(frames), to_mask(*mask), "the mask");
   PythonObservers watchers(observers);
   const Config config = config_of(choice.method, choice.changes);
   std::unique_ptr<EdgeDetector> detector = detector_of(config, frames->info().camera, own_detector);
@@ -114,15 +117,21 @@ void add_run(nb::module_& module) {
          const std::optional<fs::path>& output, bool force, std::int64_t max_frames,
          const std::vector<std::string>& findings, const nb::object& detector, bool loops,
          const std::optional<fs::path>& map, const std::optional<fs::path>& save_map,
-         bool update_map) {
+         bool update_map, const std::optional<MaskArray>& mask) {
         return run_source(
             source, observers,
             {method, changes, threads, output, force, findings, loops, map, save_map, update_map},
-            max_frames, detector);
+            max_frames, detector, mask);
       },
       "source"_a, "observers"_a, "method"_a, "changes"_a, "threads"_a, "output"_a.none(), "force"_a,
       "max_frames"_a, "findings"_a, "detector"_a.none(), "loops"_a, "map"_a.none(),
-      "save_map"_a.none(), "update_map"_a);
+      "save_map"_a.none(), "update_map"_a, "mask"_a.none());
+  module.def(
+      "read_mask",
+      [](const fs::path& file, int width, int height) {
+        return numpy_mask(read_mask(file, {width, height}));
+      },
+      "file"_a, "width"_a, "height"_a);
 }
 
 }  // namespace edvo::python

@@ -229,3 +229,38 @@ def test_loops_and_the_final_pass_can_be_left_out(interrupted: Memory) -> None:
     same = edvo.run(frames, loops=False, **{"window.final_iterations": 0})
     assert np.array_equal(short.trajectory.values, same.trajectory.values)
     assert not np.array_equal(short.trajectory.values, alone.trajectory.values)
+
+
+def test_what_a_mask_hides_is_not_tracked(interrupted: Memory, tmp_path: Path) -> None:
+    """Something textured moves with the camera over a quarter of the image, as a robot's arm."""
+    cv2 = pytest.importorskip("cv2")
+    height, width = interrupted.list[0].depth.shape
+    shown = np.ones((height, width), bool)
+    shown[height // 2 :, : width // 2] = False
+    arm = np.random.default_rng(1).integers(0, 255, (height // 8, width // 8, 3), dtype=np.uint8)
+    arm = cv2.resize(arm, (width, height), interpolation=cv2.INTER_CUBIC)
+    frames = [
+        edvo.Frame(
+            frame.stamp_ns,
+            np.where(shown[..., None], frame.rgb, arm),
+            np.where(shown, frame.depth, np.float32(0.8)),
+        )
+        for frame in interrupted.list[:60]
+    ]
+    camera = interrupted.camera
+    scene = edvo.run(visit(interrupted, 0, 60), mask=shown)
+    with_arm = edvo.run(Memory(camera, frames, None), mask=shown)
+    assert with_arm.tracked >= 59 and with_arm.lost == 0
+    ends = [run.trajectory.values[-1, :3] for run in (scene, with_arm)]
+    assert np.linalg.norm(ends[0] - ends[1]) < 0.01
+    file = tmp_path / "mask.png"
+    cv2.imwrite(str(file), np.where(shown, 255, 0).astype(np.uint8))
+    by_file = edvo.run(Memory(camera, frames, None), mask=file)
+    assert np.array_equal(by_file.trajectory.values, with_arm.trajectory.values)
+    slam = edvo.Slam(camera, mask=shown)
+    track(slam, frames)
+    slam.finish()
+    assert np.array_equal(slam.trajectory().values, with_arm.trajectory.values)
+    for mask, error in ((np.zeros((height, width), bool), "hides everything"), (shown[1:], "shape")):
+        with pytest.raises(ValueError, match=error):
+            edvo.run(interrupted, mask=mask)
