@@ -72,6 +72,7 @@ class Run:
 
 def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
     error = fields["error"]
+    segments = fields.get("map_segments")  # not known to observers
     return Run(
         source=source_info(fields["source"]),
         trajectory=Trajectory._from_arrays(fields["trajectory"]),
@@ -85,7 +86,7 @@ def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
         error=None if error is None else Error(*error),
         links=[Link(**link) for link in fields["links"]],
         findings=findings,
-        map_segments=None if fields["map_segments"] is None else tuple(fields["map_segments"]),
+        map_segments=None if segments is None else tuple(segments),
     )
 
 
