@@ -33,8 +33,8 @@ std::unique_ptr<RgbdSource> open_source(const SequenceChoice& sequence, const Ar
 std::unique_ptr<RgbdSource> masked(std::unique_ptr<RgbdSource> source, const std::string& file) {
   if (file.empty()) return source;
   const Camera& camera = source->info().camera.pinhole;
-  cv::Mat_<std::uint8_t> mask = read_mask(file, {camera.width, camera.height});
-  return std::make_unique<MaskedSource>(std::move(source), std::move(mask), file);
+  const cv::Mat_<std::uint8_t> mask = read_mask(file, {camera.width, camera.height});
+  return std::make_unique<MaskedSource>(std::move(source), mask, file);
 }
 
 void run(const Arguments& arguments, const Extension& extension) {

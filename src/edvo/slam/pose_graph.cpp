@@ -108,8 +108,8 @@ void add_block(int row, int column, const Matrix6d& block,
 GraphSystem linearize(const PoseGraph& graph, const std::vector<SE3>& poses,
                       const std::vector<int>& column) {
   const int unknowns = unknown_count(column);
-  GraphSystem system{.hessian = SparseMatrix(unknowns, unknowns),
-                     .gradient = Eigen::VectorXd::Zero(unknowns)};
+  GraphSystem system;
+  system.gradient = Eigen::VectorXd::Zero(unknowns);
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(graph.links.size() * 78);
   for (const GraphLink& link : graph.links) {
@@ -129,6 +129,7 @@ GraphSystem linearize(const PoseGraph& graph, const std::vector<SE3>& poses,
     if (to >= 0) system.gradient.segment<6>(to) += J_to.transpose() * weighted;
     system.cost += 0.5 * r.dot(weighted);
   }
+  system.hessian.resize(unknowns, unknowns);
   system.hessian.setFromTriplets(entries.begin(), entries.end());
   return system;
 }

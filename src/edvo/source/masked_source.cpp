@@ -34,7 +34,7 @@ cv::Mat_<std::uint8_t> read_mask(const std::filesystem::path& file, cv::Size siz
   return mask;
 }
 
-MaskedSource::MaskedSource(std::unique_ptr<RgbdSource> source, cv::Mat_<std::uint8_t> mask,
+MaskedSource::MaskedSource(std::unique_ptr<RgbdSource> source, const cv::Mat_<std::uint8_t>& mask,
                            const std::string& name)
     : source_(std::move(source)), info_(source_->info()) {
   require_usable(mask, {info_.camera.pinhole.width, info_.camera.pinhole.height}, name);

@@ -19,7 +19,7 @@ class MaskedSource final : public RgbdSource {
  public:
   // mask: as read_mask gives it, of the size of the source's images as they come (not undistorted);
   // throws Error(kInput) if it is not. name: for the notes.
-  MaskedSource(std::unique_ptr<RgbdSource> source, cv::Mat_<std::uint8_t> mask,
+  MaskedSource(std::unique_ptr<RgbdSource> source, const cv::Mat_<std::uint8_t>& mask,
                const std::string& name);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
