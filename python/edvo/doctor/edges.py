@@ -161,7 +161,7 @@ def registration(sample: Sample) -> Finding:
 def fit_at(image: Map, depth: Map) -> float:
     """How well edges coincide, allowing 1 px."""
     ys, xs = np.nonzero(depth[2:-2, 2:-2])
-    if len(ys) < 200:
+    if len(ys) < FEWEST_EDGES:
         return float("nan")
     around = np.max(
         [image[ys + 2 + dy, xs + 2 + dx] for dy in (-1, 0, 1) for dx in (-1, 0, 1)], axis=0

@@ -23,21 +23,22 @@ bool is_odometry(const GraphLink& link) {
 
 // Those that loops touch, ends and branches of the odometry, and the first of each part, which
 // holds it in place.
-std::vector<bool> GraphChains::kept_nodes(const PoseGraph& whole) const {
+std::vector<bool> GraphChains::kept_nodes(const PoseGraph& whole, const LinksByNode& odometry) {
   std::vector<bool> kept(whole.world_from_node.size(), false);
   for (const GraphLink& link : whole.links)
     if (!is_odometry(link) || !is_positive(link.information))
       kept[static_cast<std::size_t>(link.from)] = kept[static_cast<std::size_t>(link.to)] = true;
   for (std::size_t node = 0; node < kept.size(); ++node)
-    if (odometry_at_[node].size() != 2) kept[node] = true;
+    if (odometry[node].size() != 2) kept[node] = true;
   const std::vector<int> part = connected_parts(whole);
   for (std::size_t node = 0; node < kept.size(); ++node)
     if (part[node] == static_cast<int>(node)) kept[node] = true;
   return kept;
 }
 
-GraphChains::Chain GraphChains::chain_along(const PoseGraph& whole, const std::vector<bool>& kept,
-                                            int from, std::size_t link) const {
+GraphChains::Chain GraphChains::chain_along(const PoseGraph& whole, const LinksByNode& odometry,
+                                            const std::vector<bool>& kept, int from,
+                                            std::size_t link) {
   Chain chain{.from = from};
   int node = from;
   while (true) {
@@ -54,7 +55,7 @@ GraphChains::Chain GraphChains::chain_along(const PoseGraph& whole, const std::v
     }
     node = chain.steps.back().node;
     if (kept[static_cast<std::size_t>(node)]) break;
-    const std::vector<std::size_t>& both = odometry_at_[static_cast<std::size_t>(node)];
+    const std::vector<std::size_t>& both = odometry[static_cast<std::size_t>(node)];
     link = both[0] == link ? both[1] : both[0];
   }
   for (auto step = chain.steps.rbegin(); step != chain.steps.rend(); ++step) {
@@ -65,13 +66,14 @@ GraphChains::Chain GraphChains::chain_along(const PoseGraph& whole, const std::v
   return chain;
 }
 
-GraphChains::GraphChains(const PoseGraph& whole) : odometry_at_(whole.world_from_node.size()) {
+GraphChains::GraphChains(const PoseGraph& whole) {
+  LinksByNode odometry(whole.world_from_node.size());
   for (std::size_t i = 0; i < whole.links.size(); ++i) {
     if (!is_odometry(whole.links[i])) continue;
-    odometry_at_[static_cast<std::size_t>(whole.links[i].from)].push_back(i);
-    odometry_at_[static_cast<std::size_t>(whole.links[i].to)].push_back(i);
+    odometry[static_cast<std::size_t>(whole.links[i].from)].push_back(i);
+    odometry[static_cast<std::size_t>(whole.links[i].to)].push_back(i);
   }
-  const std::vector<bool> kept = kept_nodes(whole);
+  const std::vector<bool> kept = kept_nodes(whole, odometry);
   std::vector<int> place(kept.size(), -1);  // in the reduced graph
   for (std::size_t node = 0; node < kept.size(); ++node) {
     if (!kept[node]) continue;
@@ -90,8 +92,8 @@ GraphChains::GraphChains(const PoseGraph& whole) : odometry_at_(whole.world_from
     add(whole.links[i]);
   }
   for (const int from : whole_node_)
-    for (const std::size_t link : odometry_at_[static_cast<std::size_t>(from)]) {
-      Chain chain = chain_along(whole, kept, from, link);
+    for (const std::size_t link : odometry[static_cast<std::size_t>(from)]) {
+      Chain chain = chain_along(whole, odometry, kept, from, link);
       const int to = chain.steps.back().node;
       if (to <= from) continue;  // each is met from both ends; odometry has no rings
       Matrix6d information = chain.covariance.inverse();

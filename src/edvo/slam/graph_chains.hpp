@@ -35,11 +35,13 @@ class GraphChains {
     Matrix6d covariance = Matrix6d::Zero();  // of the whole
   };
 
-  [[nodiscard]] std::vector<bool> kept_nodes(const PoseGraph& whole) const;
-  [[nodiscard]] Chain chain_along(const PoseGraph& whole, const std::vector<bool>& kept, int from,
-                                  std::size_t link) const;
+  using LinksByNode = std::vector<std::vector<std::size_t>>;
 
-  std::vector<std::vector<std::size_t>> odometry_at_;  // links, by node
+  [[nodiscard]] static std::vector<bool> kept_nodes(const PoseGraph& whole,
+                                                    const LinksByNode& odometry);
+  [[nodiscard]] static Chain chain_along(const PoseGraph& whole, const LinksByNode& odometry,
+                                         const std::vector<bool>& kept, int from, std::size_t link);
+
   PoseGraph reduced_;
   std::vector<int> whole_node_;          // of each node of the reduced graph
   std::vector<std::size_t> whole_link_;  // of each of its first links, the loops
