@@ -193,6 +193,13 @@ TEST(DepthModels, StereoWidensTheForegroundByTwoToFourPixels) {
   EXPECT_LT(share(values_in(depth, kEdge + 5, kEdge + 12), foreground), 0.05);
 }
 
+TEST(DepthModels, StereoIsNotTooNearOnASlantedSurface) {
+  const Render slanted = picture([](int x, int) { return 1 / (0.4 + 0.001 * x); });
+  const cv::Mat_<float> depth = measured(slanted, SensorKind::kStereo);
+  const cv::Mat_<float> ratio = depth / slanted.depth;
+  EXPECT_NEAR(median(values_in(ratio, 20, kWidth)), 1, 0.002);
+}
+
 TEST(DepthModels, StereoHasAShadowOnTheLeftOfNearThings) {
   const Render image = picture([](int x, int) { return x < kEdge ? 2.0 : 1.0; });
   const cv::Mat_<float> depth = measured(image, SensorKind::kStereo);

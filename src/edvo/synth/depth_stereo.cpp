@@ -13,24 +13,33 @@ namespace {
 constexpr double kBaseline = 0.05;  // [m]
 constexpr int kBlock = 8;           // the widened border changes its width in such pieces [px]
 
-// Disparity [px] with the foreground widened: a window that touches it matches it.
-cv::Mat_<float> widened_disparity(const Render& exact, const Shot& shot) {
-  constexpr int kNarrow = 2, kWide = 4;  // [px]
-  const auto scale = static_cast<float>(shot.focal_length * kBaseline);
+cv::Mat_<float> exact_disparity(const Render& exact, float scale) {
   cv::Mat_<float> disparity(exact.depth.size());
   for (int y = 0; y < disparity.rows; ++y)
     for (int x = 0; x < disparity.cols; ++x) {
       const float z = exact.depth(y, x);
       disparity(y, x) = std::isnan(z) ? 0 : scale / z;
     }
-  const auto dilated = [&](int radius) {
-    cv::Mat_<float> wider;
-    cv::dilate(disparity, wider,
-               cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1}));
-    return wider;
+  return disparity;
+}
+
+// Disparity [px] with the foreground widened beside jumps: a window that touches it matches it.
+// On a slanted surface a window matches its middle, so what is nearer on one side and as much
+// farther on the other is no jump.
+cv::Mat_<float> widened_disparity(const cv::Mat_<float>& disparity, const Shot& shot) {
+  constexpr int kNarrow = 2, kWide = 4;  // [px]
+  constexpr float kJump = 0.5F;          // [px]
+  const auto widened = [&](int radius) {
+    const cv::Mat box = cv::getStructuringElement(cv::MORPH_RECT, {2 * radius + 1, 2 * radius + 1});
+    cv::Mat_<float> nearest, farthest;
+    cv::dilate(disparity, nearest, box);
+    cv::erode(disparity, farthest, box);
+    cv::Mat_<float> result = disparity.clone();
+    nearest.copyTo(result, nearest + farthest - 2 * disparity > kJump);
+    return result;
   };
-  cv::Mat_<float> result = dilated(kNarrow);
-  const cv::Mat_<float> wide = dilated(kWide);
+  cv::Mat_<float> result = widened(kNarrow);
+  const cv::Mat_<float> wide = widened(kWide);
   for (int y = 0; y < result.rows; ++y)
     for (int x = 0; x < result.cols; ++x) {
       Random random{shot.seed, shot.frame, kJitterStream, static_cast<std::uint64_t>(y / kBlock),
@@ -87,7 +96,7 @@ cv::Mat_<float> stereo_depth(const Render& exact, const Shot& shot) {
   constexpr int kNoiseRadius = 2, kBiasCell = 48;     // [px]
   constexpr float kHopeless = 0.75F;                  // weakness from which holes appear
   const auto scale = static_cast<float>(shot.focal_length * kBaseline);
-  cv::Mat_<float> disparity = widened_disparity(exact, shot);
+  cv::Mat_<float> disparity = widened_disparity(exact_disparity(exact, scale), shot);
   const cv::Mat_<float> weak = weakness(exact);
   cv::Mat_<float> near_wins(disparity.size());
   cv::divide(scale, disparity, near_wins);
