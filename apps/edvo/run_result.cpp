@@ -41,6 +41,7 @@ void print_counts(const RunSummary& summary) {
         frames_per_second(summary));
   if (summary.slowest_second)
     print("           {} in the slowest second\n", counted(*summary.slowest_second, "frame"));
+  print("           {:.2f} s for the last pass, after the last frame\n", summary.finish_seconds);
   print("memory     {:.0f} MB at most\n", summary.peak_memory);
 }
 

@@ -33,6 +33,7 @@ class Run:
     skipped: list[str]  # why, one for each frame that could not be read or used
     counts: dict[str, int]  # tracked, lost, restarted, relocalized, skipped, dropped, segments
     wall_seconds: float  # from the first frame asked for to the last pose
+    finish_seconds: float  # of the last pass over the whole recording, after that
     interrupted: bool = False  # by ctrl-C
     error: Error | None = None  # that ended it before the last frame
     links: list[Link] = field(default_factory=list)  # what became of places seen again
@@ -82,6 +83,7 @@ def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
         skipped=fields["skipped"],
         counts=fields["counts"],
         wall_seconds=fields["wall_seconds"],
+        finish_seconds=fields["finish_seconds"],
         interrupted=fields["interrupted"],
         error=None if error is None else Error(*error),
         links=[Link(**link) for link in fields["links"]],

@@ -171,6 +171,7 @@ nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
   fields["skipped"] = reasons;
   fields["links"] = link_list(links_);
   fields["wall_seconds"] = outcome.wall_seconds;
+  fields["finish_seconds"] = outcome.finish_seconds;
   fields["interrupted"] = outcome.interrupted;
   fields["error"] = nb::none();
   if (outcome.error)

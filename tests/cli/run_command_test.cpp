@@ -51,6 +51,8 @@ TEST_F(RunCommand, TracksEvaluatesAndWritesTheWholeFolder) {
   EXPECT_EQ(to_string(trajectory[3].stamp), sliding_stamp(3));
   const json summary = json::parse(text_of(out() / "summary.json"));
   EXPECT_LT(summary["evaluation"]["final"]["ate_rmse_m"], 0.01);
+  EXPECT_GT(summary["finish_s"], 0);
+  EXPECT_THAT(result.output, HasSubstr(" s for the last pass"));
 }
 
 TEST_F(RunCommand, LeavesTheFinalPassOutIfTold) {

@@ -305,7 +305,8 @@ std::string machine_card(const RunSummary& summary) {
          row("built with", fmt::format("{}, OpenCV {}, Eigen {}", machine.compiler, machine.opencv,
                                        machine.eigen)) +
          row("run time",
-             fmt::format("{:.1f} s, reading and writing included", summary.wall_seconds)) +
+             fmt::format("{:.1f} s, reading and writing included; {:.1f} s for the last pass",
+                         summary.wall_seconds, summary.finish_seconds)) +
          row("peak memory", fmt::format("{:.0f} MB", summary.peak_memory)) + "</table></section>\n";
 }
 

@@ -147,6 +147,7 @@ StoredRun read_run(const fs::path& folder) {
   outcome.online = read_poses(folder / "trajectory_online.tum");
   outcome.keyframes = read_poses(folder / "keyframes.tum");
   outcome.wall_seconds = run.summary.wall_seconds;
+  outcome.finish_seconds = run.summary.finish_seconds;
   outcome.interrupted = run.summary.interrupted;
   if (run.summary.evaluation) add_curves(run);
   outcome.evaluation = run.summary.evaluation;

@@ -146,6 +146,7 @@ RunSummary summary_from(const Json& json) {
                      .readout_seconds = 1e-3 * maybe<double>(json, "readout_ms").value_or(0),
                      .path_length = number(json, "path_length_m"),
                      .wall_seconds = number(json, "wall_s"),
+                     .finish_seconds = maybe<double>(json, "finish_s").value_or(0),
                      .peak_memory = number(json, "peak_memory_mb"),
                      .slowest_second = maybe<std::int64_t>(json, "slowest_second_frames"),
                      .interrupted = json.at("interrupted").get<bool>(),

@@ -108,6 +108,7 @@ struct RunSummary {
   double readout_seconds = 0;  // of a rolling shutter as estimated at the end, 0 = global
   double path_length = 0;      // of the trajectory as known at the end [m]
   double wall_seconds = 0;     // from the first frame asked for to the last pose
+  double finish_seconds = 0;   // of the last pass, after that
   double peak_memory = 0;      // [MB]
   std::optional<std::int64_t> slowest_second = {};  // frames, see below
   bool interrupted = false;

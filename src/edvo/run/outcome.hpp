@@ -81,7 +81,8 @@ struct RunOutcome {
   Trajectory keyframes;   // as known at the end
   std::optional<RunEvaluation> evaluation;
   std::string no_evaluation;   // why there is none
-  double wall_seconds = 0;     // of the frames; finish() and the evaluation are not in it
+  double wall_seconds = 0;     // of the frames, from the first asked for to the last pose
+  double finish_seconds = 0;   // of finish(): the last pass over the whole recording
   bool interrupted = false;    // by RunOptions::should_stop
   std::optional<Error> error;  // that ended the run: of the source, or of the tracker
 };

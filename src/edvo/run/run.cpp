@@ -17,6 +17,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using PreparedFrame = Prefetched<PreparedImage>;
 
+double seconds_between(Clock::time_point earlier, Clock::time_point later) {
+  return std::chrono::duration<double>(later - earlier).count();
+}
+
 // Tells all observers the same.
 template <typename Member, typename... Values>
 void tell(const Observers& observers, Member member, const Values&... values) {
@@ -141,8 +145,10 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
     track_all(frames, tracker, observers, options.should_stop, map_version, outcome);
     outcome.counts.dropped = frames.dropped();
   }
-  outcome.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const Clock::time_point last_pose = Clock::now();
+  outcome.wall_seconds = seconds_between(start, last_pose);
   tracker.finish(options.threads);  // also after an error or a stop
+  outcome.finish_seconds = seconds_between(last_pose, Clock::now());
   tell_map(tracker.map(), map_version, observers);
   if (const std::vector<LinkReport> links = tracker.links(); !links.empty())
     tell(observers, &Observer::links, std::span<const LinkReport>(links));
