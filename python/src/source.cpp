@@ -188,17 +188,24 @@ void add_source(nb::module_& module) {
           "__init__",
           [](FolderSource* place, const fs::path& sequence, const std::optional<fs::path>& camera,
              const std::pair<int, int>& camera_size, std::optional<double> depth_scale,
-             const fs::path& cache) {
+             bool is_depth_registered, const fs::path& cache) {
             const nb::gil_scoped_release release;
             new (place)
                 FolderSource(sequence, {.camera_file = camera,
                                         .camera_size = {camera_size.first, camera_size.second},
                                         .depth_scale = depth_scale,
+                                        .is_depth_registered = is_depth_registered,
                                         .cache = cache});
           },
-          "sequence"_a, "camera"_a.none(), "camera_size"_a, "depth_scale"_a.none(), "cache"_a)
+          "sequence"_a, "camera"_a.none(), "camera_size"_a, "depth_scale"_a.none(),
+          "is_depth_registered"_a, "cache"_a)
       .def("info", [](const FolderSource& folder) { return info_dict(folder.info()); })
       .def("__len__", [](const FolderSource& folder) { return folder.dataset().frames.size(); })
+      .def_prop_ro("depth_size",
+                   [](const FolderSource& folder) {
+                     const cv::Size size = folder.dataset().depth_size;
+                     return std::pair(size.width, size.height);
+                   })
       .def(
           "stamp",
           [](const FolderSource& folder, std::size_t i) {

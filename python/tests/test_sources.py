@@ -210,6 +210,22 @@ def test_depth_of_a_camera_of_its_own_keeps_stamps_and_poses(tmp_path: Path) -> 
     assert np.isfinite(depths[1]).mean() > 0.9
 
 
+def test_smaller_depth_of_a_camera_of_its_own_keeps_stamps(tmp_path: Path) -> None:
+    """Of a list with stamps, as exports of phones are converted to."""
+    for kind, image in (("rgb", colour_image(10)), ("depth", np.full((24, 32), 2000, np.uint16))):
+        write(tmp_path / f"{kind}/0.png", image)
+        (tmp_path / f"{kind}.txt").write_text(f"12.250000 {kind}/0.png\n")
+    source = edvo.open_source(
+        tmp_path,
+        camera=edvo.Camera(60, 60, 31.5, 23.5, WIDTH, HEIGHT),
+        depth_scale=1000,
+        depth_camera=edvo.Camera(30, 30, 15.5, 11.5, 32, 24),
+    )
+    frame = next(iter(source))
+    assert frame.stamp_ns == 12_250_000_000 and frame.rgb.shape[:2] == frame.depth.shape
+    assert np.nanmax(np.abs(frame.depth[1:-1, 1:-1] - 2)) < 1e-5
+
+
 def record3d(folder: Path) -> Path:
     lzfse = pytest.importorskip("liblzfse")
     k = [60, 0, 0, 0, 60, 0, 31.5, 23.5, 1]

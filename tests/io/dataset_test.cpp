@@ -204,6 +204,18 @@ TEST(Dataset, DepthOfAnotherSizeThanColourIsAnErrorOfTheWholeIfItIsSoAtOnce) {
                          [&] { (void)lists.open(); }));
 }
 
+TEST(Dataset, DepthThatIsNotRegisteredHasASizeOfItsOwn) {
+  const Lists lists(kRgb, kDepth);
+  for (int i = 0; i < 2; ++i)
+    write_depth(lists.folder.path() / fmt::format("depth/{}.png", i), 5000, {4, 3});
+  const Dataset dataset = open_dataset(lists.folder.path(), {.is_depth_registered = false});
+  EXPECT_EQ(dataset.depth_size, cv::Size(4, 3));
+  EXPECT_EQ(read_frame(dataset, 1).depth.size(), cv::Size(4, 3));
+  EXPECT_EQ(read_frame(dataset, 1).bgr.size(), cv::Size(kSmallWidth, kSmallHeight));
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"depth/2.png: 10 x 8 px", "the sequence has 4 x 3"},
+                         [&] { (void)read_frame(dataset, 2); }));
+}
+
 TEST(Dataset, OtherSizesLaterFailOnlyTheirFrame) {
   const Lists lists(kRgb, kDepth);
   write_depth(lists.folder.path() / "depth/1.png", 5000, {4, 3});

@@ -27,7 +27,6 @@ from edvo.sources.pairs import (
     is_nyu_raw,
     open_pairs,
     refuse_nyu_raw,
-    sizes_differ,
 )
 from edvo.sources.phones import StraySource, is_record3d, is_stray, open_record3d
 from edvo.sources.realsense import RealSenseSource
@@ -141,7 +140,7 @@ def open_source(
     if place.is_dir():
         if is_nyu_raw(place):
             raise refuse_nyu_raw(place)
-        if needs_python(place) or (depth_camera is not None and sizes_differ(place)):
+        if needs_python(place):
             return open_pairs(place, camera, camera_size, depth_scale, **registration)
     return FolderSource(
         place, camera=camera, camera_size=camera_size, depth_scale=depth_scale, **registration

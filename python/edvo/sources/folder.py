@@ -30,7 +30,7 @@ class FolderSource(Source):
     """TUM, ICL-NUIM, ETH3D, Bonn, 7-Scenes, BundleFusion, ScanNet, Replica, Open3D's and Redwood's
     recorders, association files and folders of numbered images; also as .tgz or .zip.
 
-    ``depth_camera``: of depth that is not registered to colour but has images of the same size."""
+    ``depth_camera``: of depth that is not registered to colour, of whatever size."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class FolderSource(Source):
         try:
             chosen = own if own is not None else file
             self._folder = _core.FolderSource(
-                Path(path), chosen, camera_size, depth_scale, cache_folder()
+                Path(path), chosen, camera_size, depth_scale, depth_camera is None, cache_folder()
             )
         finally:
             if own is not None:
@@ -68,9 +68,7 @@ class FolderSource(Source):
             self.ground_truth_origin = self._info["ground_truth_origin"]
         self.registration: DepthRegistration | None = None
         if depth_camera is not None:
-            own_depth = read_scaled(
-                depth_camera, (0, 0), (self.camera.width, self.camera.height)
-            )
+            own_depth = read_scaled(depth_camera, (0, 0), self._folder.depth_size)
             self.registration = DepthRegistration(own_depth, self.camera, colour_from_depth)
             self.notes.append("depth is registered to colour here")
 

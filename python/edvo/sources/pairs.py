@@ -47,18 +47,6 @@ def find_folders(path: Path) -> tuple[Path, Path] | None:
     return (colour, depth) if colour and depth else None
 
 
-def sizes_differ(path: Path) -> bool:
-    """The first depth image is of another size than the first colour image."""
-    folders = find_folders(path)
-    if folders is None:
-        return False
-    colours = images_in(folders[0], COLOUR_SUFFIXES)
-    depths = images_in(folders[1], DEPTH_SUFFIXES)
-    if not colours or not depths:
-        return False
-    return read_depth(depths[0]).shape != read_colour(colours[0]).shape[:2]
-
-
 def open_pairs(
     path: Path,
     camera: Camera | str | Path | None,

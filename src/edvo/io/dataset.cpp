@@ -182,12 +182,20 @@ StoredFrame read_stored(const FrameEntry& frame, bool shrink_colour) {
   return stored;
 }
 
-void check_sizes(const FrameEntry& frame, const StoredFrame& stored) {
+void check_registration(const FrameEntry& frame, const StoredFrame& stored) {
   if (stored.depth.size() == stored.bgr.size()) return;
-  fail(frame.depth, fmt::format("depth of {} x {} px, but colour {} has {} x {} px; depth must be "
-                                "registered to colour, pixel by pixel",
-                                stored.depth.cols, stored.depth.rows, frame.colour.string(),
-                                stored.bgr.cols, stored.bgr.rows));
+  fail(frame.depth,
+       fmt::format("depth of {} x {} px, but colour {} has {} x {} px; depth must be "
+                   "registered to colour, pixel by pixel (edvo's Python package does that: "
+                   "--depth-camera FILE)",
+                   stored.depth.cols, stored.depth.rows, frame.colour.string(), stored.bgr.cols,
+                   stored.bgr.rows));
+}
+
+void check_size(const fs::path& file, cv::Size size, cv::Size expected) {
+  if (size != expected)
+    fail(file, fmt::format("{} x {} px, but the sequence has {} x {} px", size.width, size.height,
+                           expected.width, expected.height));
 }
 
 // Files may be damaged, but one frame must be whole; the first such speaks for the sequence.
@@ -201,7 +209,7 @@ StoredFrame first_readable_frame(const Dataset& dataset) {
       if (!first_error) first_error = error;
       continue;
     }
-    check_sizes(frame, stored);
+    if (dataset.is_depth_registered) check_registration(frame, stored);
     return stored;
   }
   fail(dataset.root, fmt::format("none of the {} frames can be read; the first: {}",
@@ -256,6 +264,7 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
   dataset.colour_count = listing.colour_count;
   dataset.depth_count = listing.depth_count;
   dataset.shrink_colour = listing.shrink_colour;
+  dataset.is_depth_registered = options.is_depth_registered;
   dataset.ground_truth = find_ground_truth(dataset.root);
   dataset.notes.insert(dataset.notes.end(), listing.notes.begin(), listing.notes.end());
   dataset.warnings = std::move(listing.warnings);
@@ -267,7 +276,9 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
   dataset.notes.push_back(fmt::format("{} depth units per metre ({})",
                                       dataset.depth_scale.units_per_metre,
                                       dataset.depth_scale.source));
-  dataset.image_size = first_readable_frame(dataset).bgr.size();
+  const StoredFrame first = first_readable_frame(dataset);
+  dataset.image_size = first.bgr.size();
+  dataset.depth_size = first.depth.size();
   if (std::min(dataset.image_size.width, dataset.image_size.height) < kSmallestSide)
     fail(dataset.root,
          fmt::format("images of {} x {} px are too small; sides start at {} px",
@@ -281,11 +292,9 @@ Dataset open_dataset(const fs::path& source, const DatasetOptions& options) {
 RgbdImage read_frame(const Dataset& dataset, std::size_t index) {
   const FrameEntry& frame = dataset.frames.at(index);
   const StoredFrame stored = read_stored(frame, dataset.shrink_colour);
-  check_sizes(frame, stored);
-  if (stored.bgr.size() != dataset.image_size)
-    fail(frame.colour,
-         fmt::format("{} x {} px, but the sequence has {} x {} px", stored.bgr.cols,
-                     stored.bgr.rows, dataset.image_size.width, dataset.image_size.height));
+  if (dataset.is_depth_registered) check_registration(frame, stored);
+  check_size(frame.colour, stored.bgr.size(), dataset.image_size);
+  check_size(frame.depth, stored.depth.size(), dataset.depth_size);
   return {.stamp = frame.stamp,
           .bgr = stored.bgr,
           .depth = depth_to_metres(stored.depth, dataset.depth_scale.units_per_metre)};

@@ -21,6 +21,7 @@ struct DatasetOptions {
   std::optional<std::filesystem::path> camera_file = {};  // empty = the one in the folder, if any
   double assumed_rate = 30;          // [Hz] of numbered frames, which have no stamps
   double largest_gap = 0.02;         // [s] between a colour image and its depth image
+  bool is_depth_registered = true;   // else it may have another size than colour
   std::filesystem::path cache = {};  // where archives are unpacked; needed only for them
   // Called with the unpacked share of an archive [0..1], several times a second. An exception that
   // it throws ends the unpacking, removes what was unpacked and is passed on.
@@ -42,7 +43,10 @@ struct Dataset {
   std::size_t colour_count = 0;    // images found, paired or not
   std::size_t depth_count = 0;
   bool shrink_colour = false;  // to the size of the depth image
-  cv::Size image_size;         // of the first frame that can be read, and so of all [px]
+  bool is_depth_registered = true;
+  // Of the first frame that can be read, and so of all [px]. Depth's differs from that of colour
+  // only if it is not registered.
+  cv::Size image_size, depth_size;
   DepthScale depth_scale;
   std::optional<std::filesystem::path> ground_truth;  // a trajectory file in the root
   Trajectory poses;                // without such a file: those beside the images (image_poses.hpp)
@@ -57,10 +61,10 @@ struct Dataset {
 //   rgb|color|... + depth|depths        folders of numbered images, no stamps
 //   *.color.png + *.depth.png           in one folder, numbered (7-Scenes, BundleFusion)
 //   results/frame*.jpg + depth*.png     Replica as NICE-SLAM renders it
-// Colour larger than depth is refused, except in ScanNet's layout (color/, depth/, intrinsic/):
-// there it is shrunk to the depth's size, whose intrinsics then hold.
-// Throws Error(kInput) if there is no sequence, no images pair up or no frame can be read,
-// Error(kOutput) if an archive cannot be unpacked.
+// Colour larger than registered depth is refused, except in ScanNet's layout (color/, depth/,
+// intrinsic/): there it is shrunk to the depth's size, whose intrinsics then hold. Throws
+// Error(kInput) if there is no sequence, no images pair up or no frame can be read, Error(kOutput)
+// if an archive cannot be unpacked.
 [[nodiscard]] Dataset open_dataset(const std::filesystem::path& source,
                                    const DatasetOptions& options = {});
 

@@ -49,6 +49,7 @@ SourceInfo describe(const Dataset& dataset, const ChosenCamera& camera) {
 FolderSource::FolderSource(const std::filesystem::path& sequence, const FolderOptions& options)
     : dataset_(open_dataset(sequence, {.depth_scale = options.depth_scale,
                                        .camera_file = options.camera_file,
+                                       .is_depth_registered = options.is_depth_registered,
                                        .cache = options.cache,
                                        .on_unpack = options.on_unpack})) {
   info_ =

@@ -17,6 +17,7 @@ struct FolderOptions {
   std::optional<std::filesystem::path> camera_file = {};  // none = found with the sequence
   cv::Size camera_size = {};  // [px] of the calibration images, empty = that of the images
   std::optional<double> depth_scale = {};           // [units/m], none = found with the sequence
+  bool is_depth_registered = true;                  // see DatasetOptions
   std::int64_t first = 0;                           // frame to begin with
   std::int64_t max_frames = 0;                      // 0 = all
   std::filesystem::path cache = {};                 // where archives are unpacked
