@@ -53,6 +53,20 @@ TEST(Odometry, FollowsACameraAlongAPlane) {
   EXPECT_GE(odometry.keyframe_trajectory().size(), 2U);
 }
 
+// As phones and short-range cameras are held: the same images of a wall ten times as small.
+TEST(Odometry, FollowsACameraAHandsBreadthFromAPlane) {
+  constexpr double kScale = 0.1;
+  Odometry odometry({kVgaCamera, {}}, preset(Method::kCannyCorner));
+  for (int i = 0; i < 20; ++i) {
+    RgbdImage image = view(i, sideways(i));
+    image.depth *= kScale;
+    const FrameResult report = odometry.process(image);
+    EXPECT_EQ(report.status, i == 0 ? FrameStatus::kFirst : FrameStatus::kTracked);
+    const SE3 truth = {.translation = kScale * sideways(i).translation};
+    EXPECT_THAT(report.world_from_camera, NearPose(truth, 4e-4)) << i;
+  }
+}
+
 // One view of a room, at different times.
 RgbdImage still(int i, bool blurred) {
   static const RgbdImage sharp =

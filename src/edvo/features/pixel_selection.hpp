@@ -18,7 +18,7 @@ struct SelectOptions {
   int min_points = 50;
   int cell = 8;               // [px]
   double min_gradient = 3.0;  // [grey levels / px]
-  double min_depth = 0.3;     // [m]
+  double min_depth = 0.1;     // [m]
   double max_depth = 8.0;     // [m]
 };
 
