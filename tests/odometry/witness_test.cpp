@@ -79,6 +79,17 @@ TEST(Witness, CorrectsAMotionThatABoardPulledAside) {
 }
 
 // The same frame, seen from a keyframe elsewhere that is brighter than the witness.
+// On a wall whose pattern repeats another place explains the witness's image as well.
+TEST(Witness, CorrectsNoMotionByAJumpUnlessSomethingIsInFront) {
+  Scene scene;
+  const SE3 pulled = motion(0.15, 0, 0, 0, 0, 0) * inverse(kMoved);
+  const Frame frame = behind_board(kMoved, 0.1, 0), hidden = behind_board(kMoved, 0.4, 0);
+  EXPECT_TRUE(scene.ask(frame, pulled).correction);  // to the expected motion
+  scene.predicted = pulled;
+  EXPECT_FALSE(scene.ask(frame, pulled).correction);
+  EXPECT_TRUE(scene.ask(hidden, pulled).correction);
+}
+
 TEST(Witness, CorrectsRelativeToThePresentKeyframe) {
   const Frame frame = behind_board(kMoved, 0.4, 0);
   const SE3 pulled = motion(0.1, 0, 0, 0, 0, 0) * inverse(kMoved);

@@ -6,7 +6,7 @@
 namespace edvo {
 namespace {
 
-constexpr double kSuspicious = 1.4;     // times the usual sigma
+constexpr double kSuspicious = 1.4;     // times the expected sigma
 constexpr double kSudden = 0.01;        // [widths of the image] off the constant velocity
 constexpr double kClearlyBetter = 0.8;  // times the sigma of another pose: prefer this one
 constexpr double kInDoubt = 1.25;       // the same while a second motion is expected
@@ -29,7 +29,7 @@ AlignResult MovingObjectGuard::check(const AlignResult& first, const Reference& 
   const int level = options_.finest_level;
   const bool sudden =
       mean_flow(reference, level, first.alignment.cur_from_ref, predicted.cur_from_ref) > kSudden;
-  const double limit = (sudden ? 1.0 : kSuspicious) * state.usual_sigma;
+  const double limit = (sudden ? 1.0 : kSuspicious) * expected_sigma(state);
   if (state.moving_object_frames == 0 && first.sigma < limit) return first;
 
   const AlignResult second =

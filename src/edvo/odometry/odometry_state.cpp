@@ -46,6 +46,7 @@ bool Odometry::State::begin_segment(const Frame& frame, KeyframeReason reason,
                                     FrameResult& result) {
   Segment fresh{.id = segments};
   fresh.state.usual_sigma = segment.state.usual_sigma;
+  fresh.state.low_sigma = segment.state.low_sigma;
   fresh.state.lens = segment.state.lens;
   const SE3 last_good = segment.keyframe < 0 ? SE3{}
                                              : map[segment.keyframe].world_from_camera *

@@ -12,6 +12,7 @@ namespace edvo {
 namespace {
 
 constexpr double kUsualShare = 0.1;      // weight of a new frame in the running mean of sigma
+constexpr double kLowGrowth = 1.02;      // of the low sigma, per frame
 constexpr double kWellExplained = 0.85;  // [0..1] of the image, see motion_judge.cpp
 constexpr int kDoubtful = 15;            // frames after a second motion
 
@@ -196,6 +197,8 @@ void update_tracking_state(Segment& segment, const Frame& frame,
       alignment.judged.explained > kWellExplained)
     state.usual_sigma +=
         (state.usual_sigma > 0 ? kUsualShare : 1.0) * (result.sigma - state.usual_sigma);
+  state.low_sigma =
+      state.low_sigma > 0 ? std::min(kLowGrowth * state.low_sigma, result.sigma) : result.sigma;
   state.keyframe_sigma =
       state.keyframe_sigma > 0 ? std::min(state.keyframe_sigma, result.sigma) : result.sigma;
   ++state.frames_since_keyframe;

@@ -18,6 +18,7 @@ struct TrackingState {
   SE3 last_from_current;          // motion from the good frame before to it
   double motion_seconds = 0;      // that this took, 0 = not known [s]
   double usual_sigma = 0;         // of tracked frames' residuals, 0 = none yet [grey levels]
+  double low_sigma = 0;           // the least of the last frames, which grows by 2 % per frame
   double keyframe_sharpness = 0;  // of the reference keyframe's image [grey levels^2]
   int frames_since_keyframe = 0;
   double keyframe_sigma = 0;     // least sigma of the frames since then, 0 = none [grey levels]
@@ -37,6 +38,13 @@ struct TrackingState {
 [[nodiscard]] inline bool is_far_ahead(const TrackingState& last, double seconds) {
   constexpr double kTimes = 3;  // the duration of that motion
   return seconds > kTimes * last.motion_seconds;
+}
+
+// Above this an alignment may have missed the best fit: the usual sigma grows with wrong poses, the
+// low one does not. 0 = none yet. [grey levels]
+[[nodiscard]] inline double expected_sigma(const TrackingState& state) {
+  constexpr double kAboveLow = 2;
+  return std::min(state.usual_sigma, kAboveLow * state.low_sigma);
 }
 
 // What residuals are compared with: the usual sigma, but not that of a camera at rest, whose images

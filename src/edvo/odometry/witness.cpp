@@ -27,6 +27,8 @@ constexpr int kLeastDepths = 30;
 // Between two poses [widths of the image]: not the same motion; where something is in front, and
 // elsewhere.
 constexpr double kApartBehind = 0.003, kApart = 0.008;
+// More off the predicted one with nothing in front: rather a pattern that repeats.
+constexpr double kMostSudden = 0.05;
 
 constexpr int kLevels = 3;  // that a frame is aligned to the witness at
 
@@ -84,14 +86,20 @@ Testimony question(const Witness& witness, const AlignResult& result, double exp
     of_other = of_found;
   }
   Testimony said = {.in_front = in_front(of_claimed)};
+  const auto apart = [&](const Reference& reference, const Alignment& a, const SE3& b) {
+    return mean_flow(reference, options.finest_level, a.cur_from_ref, b);
+  };
+  const AlignResult corrected = to_present(other, witness.alignment);
   if (other.status == AlignStatus::kTracked && of_other.intensity >= kLeastExplained &&
       other.sigma < kMostGrown * sigma_baseline(evidence.state) &&
       of_other.intensity + of_other.depth >
           of_claimed.intensity + of_claimed.depth + kClearlyMore &&
-      mean_flow(witness.reference, options.finest_level, claimed.cur_from_ref,
-                other.alignment.cur_from_ref) >
-          (said.in_front > kSomeInFront ? kApartBehind : kApart))
-    said.correction = to_present(other, witness.alignment);
+      apart(witness.reference, claimed, other.alignment.cur_from_ref) >
+          (said.in_front > kSomeInFront ? kApartBehind : kApart) &&
+      (said.in_front > kSomeInFront ||
+       apart(evidence.reference, corrected.alignment, evidence.predicted) <
+           kMostSudden + apart(evidence.reference, result.alignment, evidence.predicted)))
+    said.correction = corrected;
   else
     said.contradicts = of_claimed.cells_behind < kLeastBehind * of_claimed.cells
                            ? said.in_front > kMuchInFront
