@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from edvo.doctor.finding import Finding, ok, unknown
 from edvo.doctor.sample import Sample
 
-NEAREST, FARTHEST = 0.3, 8.0  # [m], of the median of a scene that such cameras see
+NEAREST, FARTHEST = 0.2, 8.0  # [m], of the median of a scene that such cameras see
 TYPICAL = 2.0  # [m] indoors
 MOST_SPECKLES = 0.04  # [1]; renderings with the noise of ICL-NUIM have 0.025
 BASELINE = 0.075  # [m], of a Kinect
@@ -53,7 +53,7 @@ def depth_scale(sample: Sample) -> Finding:
         )
     if NEAREST <= median <= FARTHEST:
         return ok("depth_scale", measured)
-    advice = "outside 0.3 to 8 m: check the units per metre"
+    advice = "outside 0.2 to 8 m: check the units per metre"
     if sample.units_per_metre is not None:
         raw = median * sample.units_per_metre
         likely = min(USUAL_SCALES, key=lambda scale: abs(np.log(raw / scale / TYPICAL)))

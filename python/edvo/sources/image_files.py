@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +44,6 @@ def read_netpbm(file: Path) -> NDArray[Any]:
 
 
 def read_opencv(file: Path) -> NDArray[Any]:
-    os.environ.setdefault("OPENCV_IO_ENABLE_OPENEXR", "1")
     try:
         import cv2
     except ImportError:
@@ -54,6 +52,21 @@ def read_opencv(file: Path) -> NDArray[Any]:
     if image is None:
         raise Error(f"{file}: cannot be decoded", code=3)
     return np.asarray(image)
+
+
+def read_exr(file: Path) -> NDArray[np.float32]:
+    """H x W: of an image with one channel, or its depth (Z) or first colour."""
+    try:
+        import OpenEXR
+    except ImportError:
+        raise missing_extra(f"reading {file.name}", "OpenEXR", "record3d") from None
+    try:
+        with OpenEXR.File(str(file), separate_channels=True) as image:
+            channels = image.channels()
+            name = next((name for name in ("Z", "Y", "R") if name in channels), next(iter(channels)))
+            return np.array(channels[name].pixels, np.float32)
+    except Exception as error:  # noqa: BLE001: the library raises several kinds
+        raise Error(f"{file}: cannot be decoded: {error}", code=3) from None
 
 
 def read_colour(file: Path) -> NDArray[np.uint8]:
@@ -82,6 +95,8 @@ def read_depth(file: Path) -> NDArray[Any]:
         image = read_netpbm(file)
     elif suffix == ".npy":
         image = np.load(file)
+    elif suffix == ".exr":
+        image = read_exr(file)
     elif suffix in DEPTH_SUFFIXES:
         image = read_opencv(file)
     else:

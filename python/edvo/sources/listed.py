@@ -56,5 +56,9 @@ def shrunk(rgb: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
     if factor == 1:
         return rgb
     height, width = rgb.shape[0] // factor, rgb.shape[1] // factor
-    blocks = rgb[: height * factor, : width * factor].reshape(height, factor, width, factor, 3)
-    return np.ascontiguousarray((blocks.mean(axis=(1, 3)) + 0.5).astype(np.uint8))
+    count = factor * factor
+    total = np.full((height, width, 3), count // 2, np.uint16 if factor < 16 else np.uint32)
+    for y in range(factor):
+        for x in range(factor):
+            total += rgb[y : height * factor : factor, x : width * factor : factor]
+    return (total // count).astype(np.uint8)

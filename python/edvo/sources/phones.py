@@ -8,6 +8,7 @@ import io
 import json
 import zipfile
 from collections.abc import Callable, Iterator
+from itertools import count, takewhile
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,13 @@ class Files:
 def is_record3d(path: Path) -> bool:
     if path.is_file() and path.suffix == ".r3d":
         return True
-    return path.is_dir() and (path / "metadata").is_file() and (path / "rgbd").is_dir()
+    is_unpacked = (path / "metadata").is_file() and (path / "rgbd").is_dir()
+    return path.is_dir() and (is_unpacked or is_record3d_exr(path))
+
+
+def is_record3d_exr(path: Path) -> bool:
+    has_images = (path / "rgb").is_dir() and next((path / "depth").glob("*.exr"), None) is not None
+    return has_images and (path / "metadata.json").is_file()
 
 
 def decompress_lzfse(data: bytes) -> bytes:
@@ -78,19 +85,31 @@ def decode_jpeg(data: bytes) -> NDArray[np.uint8]:
 
 
 def open_record3d(path: Path) -> ListedSource:
-    """rgbd/N.jpg, rgbd/N.depth (LZFSE, float32 [m]), metadata (JSON)."""
+    """rgbd/N.jpg, rgbd/N.depth (LZFSE, float32 [m]), metadata (JSON); or as exported with EXR:
+    rgb/N.jpg, depth/N.exr [m], metadata.json, of which images may be missing.
+    """
     files = Files(path)
-    meta = json.loads(files.read("metadata"))
+    is_exr = is_record3d_exr(path)
+    meta = json.loads(files.read("metadata.json" if is_exr else "metadata"))
     k = np.array(meta["K"], float).reshape(3, 3).T
     width, height = int(meta["w"]), int(meta["h"])
     camera = Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
     depth_size = (int(meta.get("dh", 0)), int(meta.get("dw", 0)))
-    count = 0
-    while files.has(f"rgbd/{count}.jpg"):
-        count += 1
-    if count == 0:
-        raise Error(f"{path}: Record3D's metadata, but no rgbd/0.jpg", code=3)
-    if 0 in depth_size:
+    colours = "rgb" if is_exr else "rgbd"
+    if is_exr:
+        numbers = sorted(
+            int(file.stem)
+            for file in (path / "depth").glob("*.exr")
+            if file.stem.isdigit() and files.has(f"rgb/{file.stem}.jpg")
+        )
+    else:
+        numbers = list(takewhile(lambda i: files.has(f"rgbd/{i}.jpg"), count()))
+    if not numbers:
+        raise Error(f"{path}: Record3D's metadata, but no {colours}/0.jpg", code=3)
+    if is_exr:
+        height_width = read_depth(path / f"depth/{numbers[0]}.exr").shape
+        depth_size = (int(height_width[0]), int(height_width[1]))
+    elif 0 in depth_size:
         pixels = len(decompress_lzfse(files.read("rgbd/0.depth"))) // 4
         ratio = round((pixels / (width * height)) ** -0.5, 6)
         depth_size = (round(height / ratio), round(width / ratio))
@@ -99,27 +118,33 @@ def open_record3d(path: Path) -> ListedSource:
     depth_camera = camera.scaled_to(depth_size[1], depth_size[0])
 
     def colour(i: int) -> Callable[[], NDArray[np.uint8]]:
-        return lambda: shrunk(decode_jpeg(files.read(f"rgbd/{i}.jpg")), factor)
+        return lambda: shrunk(decode_jpeg(files.read(f"{colours}/{i}.jpg")), factor)
 
     def depth(i: int) -> Callable[[], NDArray[np.float32]]:
         def read() -> NDArray[np.float32]:
+            if is_exr:
+                return metres(read_depth(path / f"depth/{i}.exr"), 1.0)
             data = decompress_lzfse(files.read(f"rgbd/{i}.depth"))
             return metres(np.frombuffer(data, np.float32).reshape(depth_size), 1.0)
 
         return read
 
-    stamps = meta.get("frameTimestamps") or [i / float(meta.get("fps", 30)) for i in range(count)]
-    stamps_ns = [round(1e9 * float(s)) for s in stamps[:count]]
+    period = 1 / float(meta.get("fps", 30))
+    stamps = meta.get("frameTimestamps") or [i * period for i in range(numbers[-1] + 1)]
+    numbers = [i for i in numbers if i < len(stamps)]
+    stamps_ns = [round(1e9 * float(stamps[i])) for i in numbers]
     source = ListedSource(
-        [Entry(stamps_ns[i], colour(i), depth(i)) for i in range(count)],
+        [Entry(stamp, colour(i), depth(i)) for stamp, i in zip(stamps_ns, numbers)],
         DepthRegistration(depth_camera, camera),
     )
     describe(source, path, "Record3D", camera, "K in its metadata", depth_size)
-    poses = np.array(meta.get("poses", []), float).reshape(-1, 7)[:count]
-    if len(poses):
-        values = np.hstack([poses[:, 4:], poses[:, :4]])
-        matrices = Trajectory(np.array(stamps_ns[: len(poses)]), values).poses @ ARKIT
-        source.ground_truth = Trajectory.from_poses(np.array(stamps_ns[: len(poses)]), matrices)
+    poses = np.array(meta.get("poses", []), float).reshape(-1, 7)
+    known = [k for k, i in enumerate(numbers) if i < len(poses)]
+    if known:
+        posed = poses[[numbers[k] for k in known]]
+        times = np.array([stamps_ns[k] for k in known])
+        matrices = Trajectory(times, np.hstack([posed[:, 4:], posed[:, :4]])).poses @ ARKIT
+        source.ground_truth = Trajectory.from_poses(times, matrices)
         source.notes.append("ground truth: ARKit's poses in its metadata (no reference of a lab)")
     return source
 
