@@ -22,7 +22,7 @@ ImageMessage colour_message(const RgbdImage& image, std::int64_t stamp_ns) {
                        .width = image.bgr.cols,
                        .height = image.bgr.rows,
                        .step = image.bgr.cols * 3};
-  message.data.assign(image.bgr[0][0].val, image.bgr[0][0].val + 3 * image.bgr.total());
+  message.data.assign(image.bgr.datastart, image.bgr.dataend);
   return message;
 }
 
