@@ -84,6 +84,16 @@ def decode_jpeg(data: bytes) -> NDArray[np.uint8]:
     return np.ascontiguousarray(bgr[:, :, ::-1])
 
 
+def exr_numbers(path: Path) -> list[int]:
+    """Of the frames that have both images."""
+    stems = (file.stem for file in (path / "depth").glob("*.exr"))
+    return sorted(int(s) for s in stems if s.isdigit() and (path / f"rgb/{s}.jpg").is_file())
+
+
+def archive_numbers(files: Files) -> list[int]:
+    return list(takewhile(lambda i: files.has(f"rgbd/{i}.jpg"), count()))
+
+
 def open_record3d(path: Path) -> ListedSource:
     """rgbd/N.jpg, rgbd/N.depth (LZFSE, float32 [m]), metadata (JSON); or as exported with EXR:
     rgb/N.jpg, depth/N.exr [m], metadata.json, of which images may be missing.
@@ -96,14 +106,7 @@ def open_record3d(path: Path) -> ListedSource:
     camera = Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
     depth_size = (int(meta.get("dh", 0)), int(meta.get("dw", 0)))
     colours = "rgb" if is_exr else "rgbd"
-    if is_exr:
-        numbers = sorted(
-            int(file.stem)
-            for file in (path / "depth").glob("*.exr")
-            if file.stem.isdigit() and files.has(f"rgb/{file.stem}.jpg")
-        )
-    else:
-        numbers = list(takewhile(lambda i: files.has(f"rgbd/{i}.jpg"), count()))
+    numbers = exr_numbers(path) if is_exr else archive_numbers(files)
     if not numbers:
         raise Error(f"{path}: Record3D's metadata, but no {colours}/0.jpg", code=3)
     if is_exr:
