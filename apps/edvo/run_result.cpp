@@ -31,6 +31,9 @@ void print_counts(const RunSummary& summary) {
   if (summary.readout_seconds != 0)
     print("shutter    rolling, {:.1f} ms from the first row to the last, as estimated\n",
           1e3 * summary.readout_seconds);
+  if (summary.ego_share > 0)
+    print("left out   {:.0f} % of the image, at most: it moves along with the camera\n",
+          100 * summary.ego_share);
   print("path       {:.3f} m{}\n", summary.path_length,
         summary.run.is_depth_assumed
             ? fmt::format(", if depth has {} units per metre, which is assumed (--depth-scale)",

@@ -79,6 +79,7 @@ class FrameResult:
     overlap: float  # [0..1] of the keyframe's points in view
     rms: float  # photometric, of inliers [grey levels]
     readout_seconds: float  # of a rolling shutter as estimated so far [s], 0 = global
+    ego_share: float  # [0..1] of the image: moves along with the camera, and is left out
     new_keyframe: str | None  # why the frame became a keyframe; None if it did not
     levels: tuple[LevelStats, ...]  # coarse to fine
     milliseconds: dict[str, float]  # where the time went [ms]

@@ -78,6 +78,7 @@ nb::dict result_dict(const FrameResult& result) {
   values["overlap"] = result.overlap;
   values["rms"] = result.rms;
   values["readout_seconds"] = result.readout_seconds;
+  values["ego_share"] = result.ego_share;
   values["loss_cause"] = std::string(name_of(result.loss_cause));
   values["segment"] = result.segment;
   values["keyframe"] = result.keyframe;

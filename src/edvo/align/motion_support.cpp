@@ -126,6 +126,26 @@ MotionSupport motion_support(const Reference& reference, const Frame& frame, int
   return support;
 }
 
+cv::Rect pixels_of(std::size_t cell, cv::Size size) {
+  const int column = static_cast<int>(cell) % kCellColumns;
+  const int row = static_cast<int>(cell) / kCellColumns;
+  const cv::Point from(column * size.width / kCellColumns, row * size.height / kCellRows);
+  const cv::Point to((column + 1) * size.width / kCellColumns, (row + 1) * size.height / kCellRows);
+  return {from, to};
+}
+
+CellMask with_neighbours(const CellMask& mask) {
+  CellMask wide{};
+  for (int row = 0; row < kCellRows; ++row)
+    for (int column = 0; column < kCellColumns; ++column) {
+      if (!mask[static_cast<std::size_t>(row * kCellColumns + column)]) continue;
+      for (int y = std::max(0, row - 1); y <= std::min(kCellRows - 1, row + 1); ++y)
+        for (int x = std::max(0, column - 1); x <= std::min(kCellColumns - 1, column + 1); ++x)
+          wide[static_cast<std::size_t>(y * kCellColumns + x)] = true;
+    }
+  return wide;
+}
+
 Reference points_in(const Reference& reference, const CellStates& states, CellState state) {
   return points_where(reference, [&](std::size_t cell) { return states[cell] == state; });
 }
@@ -146,26 +166,18 @@ CellMask moved_cells(const ReferenceLevel& points, const CellStates& states, Cel
     const double u = camera.fx * moved.x() / moved.z() + camera.cx;
     const double v = camera.fy * moved.y() / moved.z() + camera.cy;
     if (!(u >= 0 && v >= 0 && u < camera.width && v < camera.height)) continue;
-    const cv::Point middle = cell_at(camera, moved.x(), moved.y(), moved.z());
-    for (int y = std::max(0, middle.y - 1); y <= std::min(kCellRows - 1, middle.y + 1); ++y)
-      for (int x = std::max(0, middle.x - 1); x <= std::min(kCellColumns - 1, middle.x + 1); ++x)
-        mask[static_cast<std::size_t>(y * kCellColumns + x)] = true;
+    const cv::Point cell = cell_at(camera, moved.x(), moved.y(), moved.z());
+    mask[static_cast<std::size_t>(cell.y * kCellColumns + cell.x)] = true;
   }
-  return mask;
+  return with_neighbours(mask);
 }
 
 cv::Mat_<float> without_cells(const cv::Mat_<float>& depth, const CellMask& mask) {
   if (std::ranges::count(mask, true) == 0) return depth;
   cv::Mat_<float> rest = depth.clone();
-  for (int row = 0; row < kCellRows; ++row)
-    for (int column = 0; column < kCellColumns; ++column) {
-      if (!mask[static_cast<std::size_t>(row * kCellColumns + column)]) continue;
-      const int left = column * depth.cols / kCellColumns, top = row * depth.rows / kCellRows;
-      const int right = (column + 1) * depth.cols / kCellColumns;
-      const int bottom = (row + 1) * depth.rows / kCellRows;
-      rest(cv::Rect(left, top, right - left, bottom - top))
-          .setTo(std::numeric_limits<float>::quiet_NaN());
-    }
+  for (std::size_t cell = 0; cell < kCells; ++cell)
+    if (mask[cell])
+      rest(pixels_of(cell, depth.size())).setTo(std::numeric_limits<float>::quiet_NaN());
   return rest;
 }
 

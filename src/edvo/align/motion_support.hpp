@@ -38,6 +38,17 @@ using CellMask = std::array<bool, kCells>;
   return static_cast<std::size_t>(cell.y * kCellColumns + cell.x);
 }
 
+// Those of an image of this size, in pixels.
+[[nodiscard]] cv::Rect pixels_of(std::size_t cell, cv::Size size);
+
+// The cells of a mask and the eight around each.
+[[nodiscard]] CellMask with_neighbours(const CellMask& mask);
+
+// [0..1] of the image.
+[[nodiscard]] inline double share_of(const CellMask& mask) {
+  return static_cast<double>(std::ranges::count(mask, true)) / static_cast<double>(kCells);
+}
+
 struct SupportLimits {
   float intensity = 0;  // [grey levels] largest residual that fits
   float depth = 0;      // [1 / m] largest error of inverse depth that fits

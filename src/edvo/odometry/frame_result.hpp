@@ -82,6 +82,7 @@ struct FrameResult {
   double correlation = 0;                  // of fitting points' intensities in both images [-1..1]
   double rms = 0;                          // photometric, inliers [grey levels]
   double readout_seconds = 0;              // of the rolling shutter as estimated so far; 0 = global
+  double ego_share = 0;                    // [0..1] of the image: moves along with the camera
   LevelList levels;                        // coarse to fine
   std::optional<KeyframeId> new_keyframe;  // set if this frame became a keyframe
   std::optional<KeyframeReason> keyframe_reason;  // and why

@@ -144,7 +144,6 @@ class Judge {
     judged.others =
         moved_cells(points(), judged.cells, CellState::kUnexplained, other.alignment.cur_from_ref);
     judged.is_clear = evidence_.is_at_rest || std::max(a, b) > kBeyondDoubt * std::min(a, b);
-    judged.is_on_lens = is_on_lens(other);
   }
 
   // Shares of the image and of its depth that a motion leaves unexplained, and how sudden it is.

@@ -20,12 +20,11 @@ enum class MotionVerdict {
 
 struct JudgedMotion {
   MotionVerdict verdict = MotionVerdict::kOneMotion;
-  AlignResult camera;       // alignment of the camera's motion, if decided
-  double explained = 1;     // [0..1] of the image's area, by the first
-  CellStates cells{};       // of the reference, by the camera's motion; if there are two
-  CellMask others{};        // cells of the frame in which the other motion is; if decided
-  bool is_clear = false;    // decided beyond doubt
-  bool is_on_lens = false;  // what moves otherwise stays where it is in the image
+  AlignResult camera;     // alignment of the camera's motion, if decided
+  double explained = 1;   // [0..1] of the image's area, by the first
+  CellStates cells{};     // of the reference, by the camera's motion; if there are two
+  CellMask others{};      // cells of the frame in which the other motion is; if decided
+  bool is_clear = false;  // decided beyond doubt
 };
 
 // What a frame's motion is judged by.

@@ -32,6 +32,8 @@ FrameResult Odometry::process(const PreparedImage& image) {
   result.readout_seconds = frame.shutter.readout_seconds = s.readout.seconds();
   Stopwatch total;
 
+  s.leave_out_own(frame);
+  result.ego_share = share_of(s.ego.cells());
   if (s.segment.keyframe < 0) {
     // Where too little of the frame can be tracked it is lost, and the next frame tries again.
     s.begin_segment(frame, KeyframeReason::kFirst, result);

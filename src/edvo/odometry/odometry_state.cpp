@@ -47,7 +47,6 @@ bool Odometry::State::begin_segment(const Frame& frame, KeyframeReason reason,
   Segment fresh{.id = segments};
   fresh.state.usual_sigma = segment.state.usual_sigma;
   fresh.state.low_sigma = segment.state.low_sigma;
-  fresh.state.lens = segment.state.lens;
   const SE3 last_good = segment.keyframe < 0 ? SE3{}
                                              : map[segment.keyframe].world_from_camera *
                                                    inverse(segment.state.alignment.cur_from_ref);
@@ -94,6 +93,17 @@ bool Odometry::State::relocalize(Frame& frame, SegmentAlignment& alignment) {
   }
   alignment = std::move(other);
   return true;
+}
+
+// Poses found with it are wrong, and so is what older keyframes say: none is asked any more.
+void Odometry::State::leave_out_own(const Frame& frame) {
+  if (!ego.observe(frame)) return;
+  CellStates own{};
+  for (std::size_t cell = 0; cell < kCells; ++cell)
+    if (ego.cells()[cell]) own[cell] = CellState::kUnexplained;
+  segment.reference = points_outside(segment.reference, own, CellState::kUnexplained);
+  segment.witness.reset();
+  left_segment.reset();
 }
 
 bool Odometry::State::refine_window() {
@@ -183,8 +193,8 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
                                   const SE3& world_from_camera, FrameResult& result) {
   Stopwatch watch;
   Frame frame = original;
-  frame.depth = without_cells(without_cells(frame.depth.undistorted(), target.state.lens),
-                              target.state.others);
+  frame.depth =
+      without_cells(without_cells(frame.depth.undistorted(), ego.cells()), target.state.others);
   const cv::Mat_<std::uint8_t> edges =
       detector->detect({.gray = frame.levels.front().gray,
                         .colour = [&] { return undistort_colour(undistortion, frame.bgr); }});

@@ -2,6 +2,7 @@
 // The insides of Odometry: its state, and the steps of process() that change it.
 #pragma once
 
+#include "edvo/odometry/ego_mask.hpp"
 #include "edvo/odometry/keyframe_policy.hpp"
 #include "edvo/odometry/odometry.hpp"
 #include "edvo/odometry/readout_time.hpp"
@@ -50,6 +51,7 @@ struct Odometry::State {
   KeyframePolicy policy;
   MovingObjectGuard guard;
   ReadoutTime readout;
+  EgoMask ego;
   AlignScratch scratch;
   Frame current_frame;  // its memory serves the next one
 
@@ -72,6 +74,9 @@ struct Odometry::State {
   void require_newer(const Stamp& stamp);
   [[nodiscard]] bool has_tracked(int segment_id) const;
   [[nodiscard]] KeyframePtr newest_keyframe(bool with_colour) const;
+
+  // Leaves out what moves along with the camera, of the frame and of what it is aligned to.
+  void leave_out_own(const Frame& frame);
 
   // Refines the present segment's window by a few steps and writes its keyframes' poses to the map;
   // false if nothing is left to do.

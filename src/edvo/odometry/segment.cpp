@@ -80,9 +80,6 @@ void accept_motion(Segment& segment, const JudgedMotion& judged) {
   state.others = judged.others;
   if (!are_two || !judged.is_clear) return;
   segment.reference = points_outside(segment.reference, judged.cells, CellState::kUnexplained);
-  if (!judged.is_on_lens) return;
-  for (std::size_t cell = 0; cell < kCells; ++cell)
-    state.lens[cell] = state.lens[cell] || judged.others[cell];
 }
 
 // Takes the motion that the witness corrects a frame's to, or calls the frame lost.

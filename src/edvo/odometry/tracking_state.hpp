@@ -26,7 +26,6 @@ struct TrackingState {
   int doubtful_frames = 0;       // for which a sudden motion may be that of something else
   double in_front = 0;           // [0..1] of what the last good frame saw, as Testimony has it
   CellMask others{};             // cells of the last good frame that move otherwise
-  CellMask lens{};               // cells of every frame that show what is on the lens
 };
 
 // Whether nothing was seen in the last frames that moves otherwise.

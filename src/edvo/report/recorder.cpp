@@ -35,6 +35,7 @@ void Recorder::frame(const FrameResult& report, const Frame& image) {
                          .finished = std::chrono::duration<double>(Clock::now() - begun_).count(),
                          .rms = static_cast<float>(report.rms),
                          .readout_seconds = static_cast<float>(report.readout_seconds),
+                         .ego_share = static_cast<float>(report.ego_share),
                          .loss_cause = report.loss_cause,
                          .new_keyframe = report.new_keyframe.value_or(-1)});
   if (with_html_) pictures_.offer(report, image.bgr);

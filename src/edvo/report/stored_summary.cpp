@@ -144,6 +144,7 @@ RunSummary summary_from(const Json& json) {
                      .keyframes = json.at("keyframes").get<std::int64_t>(),
                      .skipped = {},
                      .readout_seconds = 1e-3 * maybe<double>(json, "readout_ms").value_or(0),
+                     .ego_share = maybe<double>(json, "ego_share").value_or(0),
                      .path_length = number(json, "path_length_m"),
                      .wall_seconds = number(json, "wall_s"),
                      .finish_seconds = maybe<double>(json, "finish_s").value_or(0),
@@ -181,7 +182,8 @@ FrameRecord frame_from(const Json& json) {
       .overlap = static_cast<float>(number(json, "overlap")),
       .milliseconds = {},
       .rms = static_cast<float>(number(json, "rms")),
-      .readout_seconds = static_cast<float>(1e-3 * maybe<double>(json, "readout_ms").value_or(0))};
+      .readout_seconds = static_cast<float>(1e-3 * maybe<double>(json, "readout_ms").value_or(0)),
+      .ego_share = static_cast<float>(maybe<double>(json, "ego_share").value_or(0))};
   if (const auto reason = maybe<std::string>(json, "keyframe_reason"))
     frame.keyframe = named<KeyframeReason>(*reason);
   if (const auto cause = maybe<std::string>(json, "loss_cause"))

@@ -225,6 +225,8 @@ RunSummary summarize(const RunDescription& run, const RunLog& log, const RunOutc
                      .no_evaluation = outcome.no_evaluation};
   if (!log.frames.empty())
     summary.readout_seconds = static_cast<double>(log.frames.back().readout_seconds);
+  for (const FrameRecord& frame : log.frames)
+    summary.ego_share = std::max(summary.ego_share, static_cast<double>(frame.ego_share));
   bool was_lost = false;
   for (const FrameRecord& frame : log.frames) {
     const bool is_lost = frame.status == FrameStatus::kLost;
@@ -251,6 +253,7 @@ std::string to_json_line(const FrameResult& report) {
                {"overlap", number(report.overlap, kRatioDecimals)},
                {"rms", number(report.rms, kRatioDecimals)},
                {"readout_ms", number(1e3 * report.readout_seconds, kMillisecondDecimals)},
+               {"ego_share", number(report.ego_share, kRatioDecimals)},
                {"levels", levels_array(report.levels)},
                {"loss_cause", nullptr},
                {"segment", report.segment},
@@ -329,6 +332,7 @@ std::string to_json(const RunSummary& summary) {
                {"lost_events", summary.lost_events},
                {"keyframes", summary.keyframes},
                {"readout_ms", number(1e3 * summary.readout_seconds, kMillisecondDecimals)},
+               {"ego_share", number(summary.ego_share, kRatioDecimals)},
                {"path_length_m", number(summary.path_length, 4)},
                {"wall_s", number(summary.wall_seconds, 3)},
                {"finish_s", number(summary.finish_seconds, 3)},

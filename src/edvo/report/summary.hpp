@@ -62,6 +62,7 @@ struct FrameRecord {
   double finished = 0;  // wall time since the run began [s]
   float rms = 0;        // photometric, of the inliers [grey levels]
   float readout_seconds = 0;
+  float ego_share = 0;  // [0..1] of the image: moves along with the camera
   LossCause loss_cause = LossCause::kNone;
   std::int64_t new_keyframe = -1;  // that the frame became, -1 = none
 };
@@ -106,6 +107,7 @@ struct RunSummary {
   std::int64_t keyframes = 0;
   std::vector<SkippedFrame> skipped;
   double readout_seconds = 0;  // of a rolling shutter as estimated at the end, 0 = global
+  double ego_share = 0;        // [0..1] the greatest of all frames
   double path_length = 0;      // of the trajectory as known at the end [m]
   double wall_seconds = 0;     // from the first frame asked for to the last pose
   double finish_seconds = 0;   // of the last pass, after that
