@@ -101,7 +101,8 @@ def result_from(fields: dict[str, Any]) -> FrameResult:
 
 
 class Tracker:
-    """What ``Odometry`` and ``Slam`` have in common."""
+    """What ``Odometry`` and ``Slam`` have in common. Several threads may use one: its calls wait for
+    each other. Only its own detector may not call it (``edvo.Error``, code 2)."""
 
     _make: Any  # of _core
     _more: dict[str, Any] = {}  # arguments of its own

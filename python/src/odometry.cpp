@@ -8,6 +8,7 @@
 #include "edvo/saved_map/map_lock.hpp"
 #include "edvo/saved_map/slam_in_map.hpp"
 #include "observers.hpp"
+#include "serialized.hpp"
 
 #include <fmt/core.h>
 #include <nanobind/stl/filesystem.h>
@@ -94,43 +95,51 @@ namespace {
 
 // Copies the image and tracks it while other Python threads run.
 template <typename Tracker, typename DepthOf>
-nb::dict process(Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
-                 const DepthOf& depth_of) {
-  FrameResult result;
-  {
-    const nb::gil_scoped_release release;
-    result = tracker.process(RgbdImage{.stamp = {.nanoseconds = nanoseconds, .decimals = decimals},
-                                       .bgr = to_bgr(rgb),
-                                       .depth = depth_of()});
-  }
-  return result_dict(result);
+nb::dict process(Serialized<Tracker>& shared, std::int64_t nanoseconds, int decimals,
+                 const RgbArray& rgb, const DepthOf& depth_of) {
+  return result_dict(shared.call([&](Tracker& tracker) {
+    return tracker.process(RgbdImage{.stamp = {.nanoseconds = nanoseconds, .decimals = decimals},
+                                     .bgr = to_bgr(rgb),
+                                     .depth = depth_of()});
+  }));
 }
 
 // What Odometry and Slam have in common.
 template <typename Tracker>
-nb::class_<Tracker> add_tracker(nb::module_& module, const char* name) {
+nb::class_<Serialized<Tracker>> add_tracker(nb::module_& module, const char* name) {
   using namespace nb::literals;
-  return nb::class_<Tracker>(module, name)
+  using Object = Serialized<Tracker>;
+  return nb::class_<Object>(module, name)
       .def(
           "process_metres",
-          [](Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+          [](Object& shared, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
              const MetreArray& depth) {
-            return process(tracker, nanoseconds, decimals, rgb, [&] { return to_depth(depth); });
+            return process(shared, nanoseconds, decimals, rgb, [&] { return to_depth(depth); });
           },
           "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a)
       .def(
           "process_units",
-          [](Tracker& tracker, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
+          [](Object& shared, std::int64_t nanoseconds, int decimals, const RgbArray& rgb,
              const UnitArray& depth, double units_per_metre) {
-            return process(tracker, nanoseconds, decimals, rgb,
+            return process(shared, nanoseconds, decimals, rgb,
                            [&] { return to_depth(depth, units_per_metre); });
           },
           "stamp_ns"_a, "decimals"_a, "rgb"_a, "depth"_a, "units_per_metre"_a)
-      .def("finish", &Tracker::finish, "threads"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "finish",
+          [](Object& shared, int threads) {
+            shared.call([threads](Tracker& tracker) { tracker.finish(threads); });
+          },
+          "threads"_a)
       .def("trajectory",
-           [](const Tracker& tracker) { return numpy_trajectory(tracker.trajectory()); })
-      .def("keyframes",
-           [](const Tracker& tracker) { return numpy_trajectory(tracker.keyframe_trajectory()); });
+           [](Object& shared) {
+             return numpy_trajectory(
+                 shared.call([](const Tracker& tracker) { return tracker.trajectory(); }));
+           })
+      .def("keyframes", [](Object& shared) {
+        return numpy_trajectory(
+            shared.call([](const Tracker& tracker) { return tracker.keyframe_trajectory(); }));
+      });
 }
 
 }  // namespace
@@ -147,17 +156,17 @@ void add_odometry(nb::module_& module) {
   add_tracker<Odometry>(module, "Odometry")
       .def(
           "__init__",
-          [](Odometry* place, const CameraTuple& camera, const std::string& method,
+          [](Serialized<Odometry>* place, const CameraTuple& camera, const std::string& method,
              const std::vector<std::string>& changes, const nb::object& detector) {
             const Config config = config_of(method, changes);
             const DistortedCamera lens = to_camera(camera);
-            new (place) Odometry(lens, config, detector_of(config, lens, detector));
+            new (place) Serialized(Odometry(lens, config, detector_of(config, lens, detector)));
           },
           "camera"_a, "method"_a, "changes"_a, "detector"_a.none());
   add_tracker<SlamInMap>(module, "Slam")
       .def(
           "__init__",
-          [](SlamInMap* place, const CameraTuple& camera, const std::string& method,
+          [](Serialized<SlamInMap>* place, const CameraTuple& camera, const std::string& method,
              const std::vector<std::string>& changes, const nb::object& detector, bool keep_colour,
              const std::optional<fs::path>& map) {
             const Config config = config_of(method, changes);
@@ -167,28 +176,35 @@ void add_odometry(nb::module_& module) {
                                       "edvo.Odometry, or another method",
                                       method));
             const DistortedCamera lens = to_camera(camera);
-            new (place)
+            new (place) Serialized(
                 SlamInMap(lens, config, {.loops = {}, .links = {}, .keep_colour = keep_colour},
                           detector_of(config, lens, detector),
                           {.camera = lens.pinhole,
                            .method = method,
                            .config = to_toml(config),
                            .made_by = "edvo " + this_machine().edvo},
-                          map ? std::optional(load_map(*map)) : std::nullopt, false);
+                          map ? std::optional(load_map(*map)) : std::nullopt, false));
           },
           "camera"_a, "method"_a, "changes"_a, "detector"_a.none(), "keep_colour"_a, "map"_a.none())
-      .def("links", [](const SlamInMap& slam) { return link_list(slam.links()); })
+      .def("links",
+           [](Serialized<SlamInMap>& shared) {
+             return link_list(shared.call([](const SlamInMap& slam) { return slam.links(); }));
+           })
       .def("map_segments",
-           [](const SlamInMap& slam) {
-             return slam.localization() ? nb::cast(slam.localization()->segments) : nb::none();
+           [](Serialized<SlamInMap>& shared) {
+             const std::optional<Localization> found =
+                 shared.call([](const SlamInMap& slam) { return slam.localization(); });
+             return found ? nb::cast(found->segments) : nb::none();
            })
       .def(
           "save_map",
-          [](const SlamInMap& slam, const fs::path& file) {
-            const MapLock lock(file);
-            save_map(file, slam.saved_map());
+          [](Serialized<SlamInMap>& shared, const fs::path& file) {
+            shared.call([&](const SlamInMap& slam) {
+              const MapLock lock(file);
+              save_map(file, slam.saved_map());
+            });
           },
-          "file"_a, nb::call_guard<nb::gil_scoped_release>());
+          "file"_a);
 }
 
 }  // namespace edvo::python

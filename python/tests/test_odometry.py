@@ -300,3 +300,63 @@ def test_runs_of_two_threads_do_not_meet(sequence: Path) -> None:
         thread.join()
     a, b = results
     assert np.array_equal(a.trajectory.values, b.trajectory.values) and len(a.trajectory) == 20
+
+
+@pytest.mark.parametrize("kind", [edvo.Odometry, edvo.Slam])
+def test_threads_take_turns_with_one_object(
+    kind: type[edvo.Odometry | edvo.Slam],
+    camera: edvo.Camera,
+    frames: list[edvo.Frame],
+    tmp_path: Path,
+) -> None:
+    tracker = kind(camera)
+    alone = kind(camera)
+    for frame in frames[:30]:
+        alone.process_ns(frame.stamp_ns, 9, frame.rgb, frame.depth)
+    stop = threading.Event()
+
+    def look() -> None:
+        while not stop.is_set():
+            assert len(tracker.trajectory()) <= 30 and len(tracker.keyframes()) <= 30
+            if isinstance(tracker, edvo.Slam):
+                tracker.links()
+                tracker.save_map(tmp_path / "live.map")
+
+    lookers = [threading.Thread(target=look) for _ in range(2)]
+    for thread in lookers:
+        thread.start()
+    late: list[edvo.Error] = []
+
+    def feed() -> None:
+        for frame in frames[:30]:
+            try:
+                tracker.process_ns(frame.stamp_ns, 9, frame.rgb, frame.depth)
+            except edvo.Error as error:  # the other thread was first
+                late.append(error)
+
+    feeders = [threading.Thread(target=feed) for _ in range(2)]
+    for thread in feeders:
+        thread.start()
+    for thread in feeders:
+        thread.join()
+    stop.set()
+    for thread in lookers:
+        thread.join()
+    tracker.finish()
+    assert len(tracker.trajectory()) + len(late) == 60
+    assert all("not later" in str(error) for error in late)
+
+
+def test_a_detector_cannot_call_who_asks_it(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    class Curious(edvo.EdgeDetector):
+        def strength(self, rgb):  # type: ignore[no-untyped-def]
+            return np.full(rgb.shape[:2], len(known[0].trajectory()) + 0.5)
+
+    odometry = edvo.Odometry(camera, detector=Curious())
+    known = [odometry]
+    with pytest.raises(edvo.Error, match="called by its own detector") as caught:
+        odometry.process(0, frames[0].rgb, frames[0].depth)
+    known.clear()  # no circle, which would keep both for ever
+    assert caught.value.code == 2
