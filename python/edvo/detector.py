@@ -39,6 +39,16 @@ class EdgeDetector(ABC):
         return failure
 
 
+def require_detector(detector: object) -> None:
+    """None, or an instance of ``EdgeDetector``."""
+    if detector is None or isinstance(detector, EdgeDetector):
+        return
+    given = f"the class {detector.__name__}" if isinstance(detector, type) else type(detector).__name__
+    raise TypeError(
+        f"detector: an instance of a subclass of edvo.EdgeDetector is expected, got {given}"
+    )
+
+
 def check_strength(strength: object, shape: tuple[int, ...]) -> NDArray[np.float32]:
     """float, of the image's height and width, finite, in [0, 1]."""
     if not isinstance(strength, np.ndarray):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -114,6 +115,24 @@ class Observer:
         from edvo.runner import run_from
 
         self.end(run_from(fields))
+
+
+def require_observers(observers: object) -> list[Observer]:
+    """Of an iterable; TypeError unless all are instances of ``Observer``."""
+    if not isinstance(observers, Iterable):
+        raise TypeError(f"observers: a list is expected, got {type(observers).__name__}")
+    given = list(observers)
+    for observer in given:
+        if isinstance(observer, type):
+            raise TypeError(
+                f"observers: {observer.__name__} is a class; give an instance, "
+                f"{observer.__name__}()"
+            )
+        if not isinstance(observer, Observer):
+            raise TypeError(
+                f"observers: instances of edvo.Observer are expected, got {type(observer).__name__}"
+            )
+    return given
 
 
 def source_info(fields: dict[str, Any]) -> SourceInfo:

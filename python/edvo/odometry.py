@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from edvo import _core
 from edvo.camera import Camera, as_tuple
-from edvo.detector import EdgeDetector
+from edvo.detector import EdgeDetector, require_detector
 from edvo.errors import Error
 from edvo.images import Mask, check_depth, check_rgb, visible_pixels
 from edvo.stamp import Seconds, nanoseconds
@@ -120,6 +120,7 @@ class Tracker:
     ) -> None:
         if options is not None and (changes or method != _core.default_method):
             raise ValueError("give options, or a method and keywords, not both")
+        require_detector(detector)
         self.camera = camera
         self.options = options if options is not None else Options(method, **changes)
         self.depth_scale = depth_scale
@@ -285,9 +286,12 @@ class Slam(Tracker):
         return [Link(**fields) for fields in self._core.links()]
 
 
-def raise_cause(error: Error, detector: EdgeDetector | None) -> NoReturn:
-    """The error, with what a Python detector raised as its cause; ctrl-C as itself."""
-    cause = detector._take_failure() if detector is not None else None
+def raise_cause(
+    error: Error, detector: EdgeDetector | None, cause: BaseException | None = None
+) -> NoReturn:
+    """The error, with what a detector or else a source raised as its cause; ctrl-C as itself."""
+    failure = detector._take_failure() if detector is not None else None
+    cause = failure if failure is not None else cause
     if cause is not None and not isinstance(cause, Exception):
         raise cause
     raise error from cause

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from edvo import _core
-from edvo.detector import EdgeDetector
+from edvo.camera import Camera
+from edvo.detector import EdgeDetector, require_detector
 from edvo.doctor import Finding, gravest
 from edvo.errors import Error
 from edvo.evaluation import Evaluation, evaluate
 from edvo.images import Mask, visible_pixels
-from edvo.observer import Observer, SourceInfo, source_info
+from edvo.observer import Observer, SourceInfo, require_observers, source_info
 from edvo.odometry import FrameResult, Link, Options, Value, raise_cause, result_from
 from edvo.sources import Source, open_source
 from edvo.trajectory import Trajectory
@@ -35,10 +37,17 @@ class Run:
     wall_seconds: float  # from the first frame asked for to the last pose
     finish_seconds: float  # of the last pass over the whole recording, after that
     interrupted: bool = False  # by ctrl-C
-    error: Error | None = None  # that ended it before the last frame
+    error: Error | None = None  # what ended it before the last frame, or why it is of no use
     links: list[Link] = field(default_factory=list)  # what became of places seen again
     findings: tuple[Finding, ...] = ()  # the doctor's gravest, if it was asked
     map_segments: tuple[int, ...] | None = None  # found in the earlier map; None = there is none
+
+    def __repr__(self) -> str:
+        rare = {name: count for name, count in self.counts.items() if name != "tracked" and count}
+        if rare.get("segments") == 1:
+            del rare["segments"]
+        others = "".join(f", {count} {name}" for name, count in rare.items())
+        return f"Run({self.source.name!r}: {self.tracked} tracked{others})"
 
     @property
     def tracked(self) -> int:
@@ -92,6 +101,41 @@ def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
     )
 
 
+SOURCE_KEYWORDS = tuple(inspect.signature(open_source).parameters)[1:]  # all but the path
+
+
+def split_keywords(given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Value]]:
+    """Those of ``open_source``, and the options, whose names have a point."""
+    unknown = [name for name in given if "." not in name and name not in SOURCE_KEYWORDS]
+    if unknown:
+        raise TypeError(
+            f"run: unknown keyword {unknown[0]!r}; besides its own it takes those of open_source "
+            f"({', '.join(SOURCE_KEYWORDS)}) and options as **{{'group.field': value}}"
+        )
+    of_source = {name: value for name, value in given.items() if name in SOURCE_KEYWORDS}
+    return of_source, {name: value for name, value in given.items() if "." in name}
+
+
+def opened_source(source: Source | str | Path, keywords: dict[str, Any]) -> Source:
+    """A path opened with these; a ``Source``, which takes none, if it can be run."""
+    if isinstance(source, (str, Path)):
+        return open_source(source, **keywords)
+    if isinstance(source, type) or not isinstance(source, Source):
+        name = source.__name__ if isinstance(source, type) else type(source).__name__
+        raise TypeError(f"source: a path or an edvo.Source is expected, got {name}")
+    kind = type(source).__name__
+    if keywords:
+        raise TypeError(
+            f"run: {', '.join(keywords)}: for open_source, which opens paths; {kind} is open"
+        )
+    if not hasattr(source, "notes"):
+        raise TypeError(f"{kind}: its __init__ must call super().__init__() first")
+    if not isinstance(getattr(source, "camera", None), Camera):
+        given = type(getattr(source, "camera", None)).__name__
+        raise TypeError(f"{kind}: its camera must be an edvo.Camera, not {given}")
+    return source
+
+
 def run(
     source: Source | str | Path,
     *,
@@ -111,11 +155,12 @@ def run(
     save_map: str | Path | None = None,
     update_map: bool = False,
     mask: Mask | None = None,
-    **changes: Value,
+    **keywords: Any,
 ) -> Run:
     """Tracks every frame of a recording, as ``edvo run`` does, to the same bits.
 
-    ``source``: a ``Source``, or a path for ``open_source`` with ``source_options``. ``options``, or
+    ``source``: a ``Source``, or a path for ``open_source``, whose keywords are taken here too
+    (``camera=``, ``depth_scale=``, ...; or as a dictionary, ``source_options``). ``options``, or
     ``method`` and keywords "group.field", and ``detector``, as for ``Odometry``. ``threads``: one of them tracks, the
     others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), replaced
     with ``force``. ``doctor``: of a path, look for grave faults first (``Run.findings``; they are in
@@ -124,38 +169,44 @@ def run(
     if it is not, ``edvo.Error``), ``update_map`` extends it; ``save_map``: a file for this run's own
     (docs/maps.md). ``mask``: an image file or H x W array, black or 0 where colour images show what
     moves with the camera, as a robot's arm: not used. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
-    whose results so far are its results. If the source fails on the way, raises ``edvo.Error``
-    whose ``run`` has what was done until then.
+    whose results so far are its results. Raises ``edvo.Error`` whose ``run`` has what was done: if the
+    source fails on the way (what it raised is the ``__cause__``), and with code 9 if no frame could
+    be tracked, as the program exits.
     """
+    of_source, changes = split_keywords(keywords)
+    twice = sorted(of_source.keys() & (source_options or {}).keys())
+    if twice:
+        raise TypeError(f"run: {', '.join(twice)}: given as a keyword and in source_options")
+    of_source |= source_options or {}
     if options is not None and (changes or method != _core.default_method):
         raise ValueError("give options, or a method and keywords, not both")
     if max_frames is not None and max_frames < 1:
         raise ValueError(f"max_frames {max_frames}: at least 1")
-    opened = source if isinstance(source, Source) else open_source(source, **source_options or {})
+    require_detector(detector)
+    watchers = require_observers(observers)
     chosen = options if options is not None else Options(method, **changes)
+    opened = opened_source(source, of_source)
     is_named = not isinstance(source, Source)
     findings = gravest(opened) if doctor and is_named else []
-    result = run_from(
-        _core.run(
-            opened,
-            list(observers),
-            chosen.method,
-            [*chosen.changes, *([] if final_pass else ["window.final_iterations=0"])],
-            threads,
-            None if output is None else Path(output),
-            force,
-            max_frames or 0,
-            [f"doctor: {finding}" for finding in findings],
-            detector,
-            loops,
-            None if map is None else Path(map),
-            None if save_map is None else Path(save_map),
-            update_map,
-            None if mask is None else visible_pixels(mask, opened.camera.width, opened.camera.height),
-        ),
-        tuple(findings),
+    fields = _core.run(
+        opened,
+        watchers,
+        chosen.method,
+        [*chosen.changes, *([] if final_pass else ["window.final_iterations=0"])],
+        threads,
+        None if output is None else Path(output),
+        force,
+        max_frames or 0,
+        [f"doctor: {finding}" for finding in findings],
+        detector,
+        loops,
+        None if map is None else Path(map),
+        None if save_map is None else Path(save_map),
+        update_map,
+        None if mask is None else visible_pixels(mask, opened.camera.width, opened.camera.height),
     )
+    result = run_from(fields, tuple(findings))
     if result.error is not None:
         result.error.run = result
-        raise_cause(result.error, detector)
+        raise_cause(result.error, detector, fields["cause"])
     return result

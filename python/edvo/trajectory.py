@@ -35,6 +35,14 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.stamps_ns)
 
+    def __repr__(self) -> str:
+        if len(self) == 0:
+            return "Trajectory(no poses)"
+        first, last = self.stamps[0], self.stamps[-1]
+        segments = len(np.unique(self.segments))
+        parts = f", {segments} segments" if segments > 1 else ""
+        return f"Trajectory({len(self)} poses{parts}, {first:.3f} s to {last:.3f} s)"
+
     def __post_init__(self) -> None:
         stamps = np.ascontiguousarray(self.stamps_ns, np.int64)
         values = np.ascontiguousarray(self.values, np.float64).reshape(-1, 7)

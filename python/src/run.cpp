@@ -90,7 +90,8 @@ MappedOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const 
 nb::dict run_source(const nb::object& source, const nb::list& observers, const RunChoice& choice,
                     std::int64_t max_frames, const nb::object& own_detector,
                     const std::optional<MaskArray>& mask) {
-  std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames});
+  Shared cause;
+  std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames}, &cause);
   if (mask) frames = std::make_unique<MaskedSource>(std::move(frames), to_mask(*mask), "the mask");
   PythonObservers watchers(observers);
   const Config config = config_of(choice.method, choice.changes);
@@ -100,8 +101,13 @@ nb::dict run_source(const nb::object& source, const nb::list& observers, const R
     const nb::gil_scoped_release release;
     outcome = run_recorded(*frames, watchers, choice, config, std::move(detector));
   }
-  if (outcome.failure && !outcome.run.error) outcome.run.error = outcome.failure;
+  if (const auto untracked = failure_of(outcome.run, frames->info().origin); untracked) {
+    outcome.run.error = untracked;
+  } else if (outcome.failure) {
+    outcome.run.error = outcome.failure;
+  }
   nb::dict fields = watchers.outcome(outcome.run);
+  fields["cause"] = cause ? *cause : nb::none();
   fields["map_segments"] = outcome.map_segments ? nb::cast(*outcome.map_segments) : nb::none();
   return fields;
 }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "source.hpp"
 
-#include "edvo/core/error.hpp"
-#include "edvo/source/folder_source.hpp"
-#include "python_error.hpp"
-#include "shared_object.hpp"
-
+#include <fmt/core.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+#include "edvo/core/error.hpp"
+#include "edvo/source/folder_source.hpp"
+#include "python_error.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -63,12 +62,33 @@ RgbdImage load_frame(const Shared& load, const Stamp& stamp) {
   return std::move(*image);
 }
 
+// Whether the arrays of a frame stay as they are while the next one is asked for. A source of
+// someone else's may fill the same buffers again; those of edvo that read late make new ones.
+bool keeps_arrays(const nb::object& source) {
+  const nb::object usual = nb::module_::import_("edvo.sources").attr("Source").attr("_pending");
+  return !source.type().attr("_pending").is(usual);
+}
+
+// The stamp of an item of source._pending(). [ns]
+std::int64_t stamp_of(const nb::object& stamp, std::int64_t index) {
+  if (PyIndex_Check(stamp.ptr()) == 0)  // a float is not cut off
+    throw Error(ErrorCode::kInput,
+                fmt::format("frame {}: stamp_ns {}: whole nanoseconds are expected, as an int; of "
+                            "seconds they are round(seconds * 1e9)",
+                            index, nb::cast<std::string>(nb::repr(stamp))));
+  return nb::cast<std::int64_t>(nb::int_(stamp));
+}
+
 // Iterates over source._pending(), which gives (stamp [ns], decimals, load).
 class IteratedSource final : public RgbdSource {
  public:
-  IteratedSource(const nb::object& source, const FrameRange& range)
-      : range_(range), info_(info_of(source, range)), source_(share(source)) {
-    rethrow_python_errors([&] { frames_ = share(nb::iter(source.attr("_pending")())); });
+  IteratedSource(const nb::object& source, const FrameRange& range, Shared* failure)
+      : range_(range),
+        info_(info_of(source, range)),
+        source_(share(source)),
+        reads_late_(keeps_arrays(source)),
+        failure_(failure) {
+    ask([&] { frames_ = share(nb::iter(source.attr("_pending")())); });
   }
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -76,19 +96,14 @@ class IteratedSource final : public RgbdSource {
   [[nodiscard]] std::optional<PendingFrame> next() override {
     const nb::gil_scoped_acquire gil;
     std::optional<PendingFrame> pending;
-    rethrow_python_errors([&] {
+    ask([&] {
       for (; index_ < range_.first; ++index_)
         if (!next_item()) return;
       if (range_.max_frames > 0 && index_ >= range_.first + range_.max_frames) return;
       const nb::object item = next_item();
       if (!item) return;
-      auto [nanoseconds, decimals, load] =
-          nb::cast<std::tuple<std::int64_t, int, nb::object>>(item);
-      const Stamp stamp{.nanoseconds = nanoseconds, .decimals = decimals};
-      pending = PendingFrame{
-          .index = index_++, .stamp = stamp, .load = [load = share(std::move(load)), stamp] {
-            return load_frame(load, stamp);
-          }};
+      const auto [stamp, decimals, load] = nb::cast<std::tuple<nb::object, int, nb::object>>(item);
+      pending = frame_of({.nanoseconds = stamp_of(stamp, index_), .decimals = decimals}, load);
     });
     return pending;
   }
@@ -99,6 +114,19 @@ class IteratedSource final : public RgbdSource {
   }
 
  private:
+  // Calls what asks the source, and keeps what it raises.
+  template <typename Function>
+  void ask(const Function& function) {
+    rethrow_python_errors([&] {
+      try {
+        function();
+      } catch (const nb::python_error& error) {
+        if (failure_ != nullptr) *failure_ = share(nb::borrow<nb::object>(error.value()));
+        throw;
+      }
+    });
+  }
+
   // Empty at the end.
   nb::object next_item() {
     PyObject* const item = PyIter_Next(frames_->ptr());
@@ -106,9 +134,25 @@ class IteratedSource final : public RgbdSource {
     return nb::steal<nb::object>(item);
   }
 
+  PendingFrame frame_of(const Stamp& stamp, const nb::object& load) {
+    const std::int64_t index = index_++;
+    if (reads_late_)
+      return {.index = index, .stamp = stamp, .load = [load = share(load), stamp] {
+                return load_frame(load, stamp);
+              }};
+    try {
+      const RgbdImage image = load_frame(share(load), stamp);
+      return {.index = index, .stamp = stamp, .load = [image] { return image; }};
+    } catch (const Error& error) {  // of this frame alone, which is skipped
+      return {.index = index, .stamp = stamp, .load = [error]() -> RgbdImage { throw error; }};
+    }
+  }
+
   FrameRange range_;
   SourceInfo info_;
   Shared source_, frames_;
+  bool reads_late_;
+  Shared* failure_;
   std::int64_t index_ = 0;
 };
 
@@ -175,9 +219,10 @@ nb::dict source_fields(const SourceInfo& info) {
   return info_dict(info);
 }
 
-std::unique_ptr<RgbdSource> make_source(const nb::object& source, const FrameRange& range) {
+std::unique_ptr<RgbdSource> make_source(const nb::object& source, const FrameRange& range,
+                                        Shared* failure) {
   const nb::object native = source.attr("_native")();
-  if (native.is_none()) return std::make_unique<IteratedSource>(source, range);
+  if (native.is_none()) return std::make_unique<IteratedSource>(source, range, failure);
   return std::make_unique<NativeSource>(source, nb::cast<const FolderSource&>(native), range);
 }
 

@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "edvo/source/rgbd_source.hpp"
+#include "shared_object.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -17,10 +18,12 @@ struct FrameRange {
 };
 
 // source: an edvo.Source, which is kept alive. Folders are read by the C++ library without Python;
-// frames of others are asked for by whatever thread reads, one at a time. Call it with the GIL; the
-// result needs none, also when it is destroyed.
+// frames of others are asked for by whatever thread reads, one at a time, and copied before the
+// next one is asked for. failure: where to put what the source raises, if it does; must live
+// longer. Call it with the GIL; the result needs none, also when it is destroyed.
 [[nodiscard]] std::unique_ptr<RgbdSource> make_source(const nb::object& source,
-                                                      const FrameRange& range);
+                                                      const FrameRange& range,
+                                                      Shared* failure = nullptr);
 
 void add_source(nb::module_& module);
 

@@ -360,3 +360,46 @@ def test_a_detector_cannot_call_who_asks_it(
         odometry.process(0, frames[0].rgb, frames[0].depth)
     known.clear()  # no circle, which would keep both for ever
     assert caught.value.code == 2
+
+
+def test_a_source_may_fill_the_same_arrays_again(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from conftest import Memory
+
+    class Reusing(Memory):
+        def __iter__(self):  # type: ignore[no-untyped-def]
+            rgb, depth = frames[0].rgb.copy(), frames[0].depth.copy()
+            for frame in self.list:
+                rgb[:], depth[:] = frame.rgb, frame.depth
+                yield edvo.Frame(frame.stamp_ns, rgb, depth)
+
+    expected = edvo.run(Memory(camera, frames[:30])).trajectory.values
+    for threads in (1, 2, 4):
+        run = edvo.run(Reusing(camera, frames[:30]), threads=threads)
+        assert np.array_equal(run.trajectory.values, expected)
+
+
+def test_what_a_source_raised_is_the_cause(camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
+    from conftest import Memory
+
+    class Broken(Memory):
+        def __iter__(self):  # type: ignore[no-untyped-def]
+            yield from self.list[:2]
+            raise OSError("unplugged")
+
+    with pytest.raises(edvo.Error, match="OSError: unplugged") as caught:
+        edvo.run(Broken(camera, frames))
+    assert isinstance(caught.value.__cause__, OSError)
+    assert caught.value.__cause__.__traceback__ is not None
+
+
+@pytest.mark.parametrize("stamp", [0.1, np.float64(0.1), "0.1"])
+def test_stamps_of_frames_are_whole_nanoseconds(
+    stamp: object, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from conftest import Memory
+
+    frame = edvo.Frame(stamp, frames[0].rgb, frames[0].depth)  # type: ignore[arg-type]
+    with pytest.raises(edvo.Error, match=r"frame 0: stamp_ns .*0.1.*: whole nanoseconds"):
+        edvo.run(Memory(camera, [frame]))
