@@ -19,7 +19,8 @@ struct Arguments {
 
 void run(const Arguments& arguments, const Extension& extension) {
   const Config config = resolve_config(arguments.run);
-  const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
+  const std::unique_ptr<Observer> watcher =
+      make_observer(extension, arguments.extra, arguments.run.force);
   synth::RenderedSource source(make_sequence(arguments.sequence));
   run_and_show(source, config, arguments.run, watcher.get());
 }

@@ -38,7 +38,7 @@ struct Extension {
   std::function<std::vector<std::string>(const SequenceChoice&, const Values&)> examine;
   // Where the public sequence of a name is, fetched if it is missing. Null: nothing is fetched.
   std::function<std::filesystem::path(const std::string&)> pull;
-  // A null result: no one watches.
+  // The values of watch_options, and of --force where it was given. A null result: no one watches.
   std::function<std::unique_ptr<Observer>(const Values&)> make_observer;
 };
 

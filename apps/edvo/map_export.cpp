@@ -9,12 +9,14 @@
 #include "edvo/saved_map/map_views.hpp"
 #include "edvo/surface/make_grid.hpp"
 #include "edvo/surface/surface_nets.hpp"
+#include "output_name.hpp"
 #include "stop_signal.hpp"
 #include "terminal.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,6 +34,7 @@ struct Arguments {
   double max_depth = 4;         // [m]
   VolumeOptions volume;
   GridOptions cells;
+  bool force = false;
   int threads = 2;
 };
 
@@ -100,11 +103,27 @@ void export_trajectory(const std::string& file, const SavedMap& map) {
   print("{}: {} poses\n", file, trajectory.size());
 }
 
+// Before the map is read.
+void require_writable_names(const Arguments& arguments) {
+  require_ending("--points", arguments.points, {".ply"});
+  require_ending("--mesh", arguments.mesh, {".ply"});
+  require_ending("--grid", arguments.grid, {".pgm"});
+  require_ending("--trajectory", arguments.trajectory, {".tum", ".txt"});
+  require_new("--points", arguments.points, arguments.force);
+  require_new("--mesh", arguments.mesh, arguments.force);
+  require_new("--grid", arguments.grid, arguments.force);
+  if (!arguments.grid.empty())
+    require_new("--grid", std::filesystem::path(arguments.grid).replace_extension(".yaml").string(),
+                arguments.force);
+  require_new("--trajectory", arguments.trajectory, arguments.force);
+}
+
 void export_map(Arguments arguments) {
   if (arguments.points.empty() && arguments.mesh.empty() && arguments.grid.empty() &&
       arguments.trajectory.empty())
     throw Error(ErrorCode::kUsage,
                 "map export: nothing to write; give --points, --mesh, --grid or --trajectory");
+  require_writable_names(arguments);
   arguments.volume.max_depth = arguments.max_depth;
   const StopSignal signal;
   const SavedMap map = load_map(arguments.map);
@@ -173,6 +192,7 @@ void add_map_export(CLI::App& verb) {
                    "What is higher above the floor is no obstacle [m]")
       ->type_name("METRES")
       ->capture_default_str();
+  command->add_flag("--force", arguments->force, "Replace files that are there");
   command->add_option("--threads", arguments->threads, "Results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

@@ -8,11 +8,13 @@
 #include "edvo/saved_map/map_file.hpp"
 #include "edvo/saved_map/map_lock.hpp"
 #include "edvo/saved_map/merge_maps.hpp"
+#include "output_name.hpp"
 #include "terminal.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +25,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> maps;
   std::string output;
+  bool force = false;
   int threads = 2;
 };
 
@@ -56,8 +59,21 @@ void require_alike(const SavedMap& a, const std::string& file_a, const SavedMap&
     say("warning: {} was made with other options than {}\n", file_b, file_a);
 }
 
+// A map joined to itself would only be twice as large.
+void require_distinct(const std::vector<std::string>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code error;
+      if (std::filesystem::equivalent(files[i], files[j], error))
+        throw Error(ErrorCode::kUsage, fmt::format("{}: is the same file as {}; name each map once",
+                                                   files[i], files[j]));
+    }
+}
+
 // Joins to the first map, in rounds, whatever overlaps with it by then.
 void merge(const Arguments& arguments) {
+  require_new_map("-o", arguments.output, arguments.force);
+  require_distinct(arguments.maps);
   const MapLock lock(arguments.output);
   std::vector<std::string> files = arguments.maps;
   std::vector<SavedMap> maps;
@@ -112,6 +128,7 @@ void add_map_merge(CLI::App& verb) {
   command->add_option("-o,--output", arguments->output, "File to write")
       ->required()
       ->type_name("FILE");
+  command->add_flag("--force", arguments->force, "Replace the map that is there");
   command->add_option("--threads", arguments->threads, "Results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

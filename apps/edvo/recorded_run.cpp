@@ -10,6 +10,7 @@
 #include "edvo/run/run.hpp"
 #include "edvo/slam/slam.hpp"
 #include "memory.hpp"
+#include "output_name.hpp"
 #include "progress.hpp"
 #include "run_map.hpp"
 #include "run_result.hpp"
@@ -73,6 +74,8 @@ RunDescription describe_run(const SourceInfo& source, const std::string& method,
 RecordedRun record_run(RgbdSource& source, const RunDescription& description, const Config& config,
                        const RunFlags& flags, const std::optional<GroundTruth>& truth,
                        Observer* watcher) {
+  require_ending("--points", flags.points, {".ply"});
+  require_new("--points", flags.points, flags.force);
   std::vector<std::string> map_warnings;
   RunMaps maps(flags, config, description,
                [&](const std::string& text) { map_warnings.push_back(text); });
@@ -132,8 +135,9 @@ void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flag
   if (run.summary.interrupted) throw CLI::RuntimeError("interrupted", kInterruptedStatus);
 }
 
-std::unique_ptr<Observer> make_observer(const Extension& extension,
-                                        const Extension::Values& values) {
+std::unique_ptr<Observer> make_observer(const Extension& extension, Extension::Values values,
+                                        bool force) {
+  if (force) values["--force"] = "1";
   return extension.make_observer ? extension.make_observer(values) : nullptr;
 }
 

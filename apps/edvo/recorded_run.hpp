@@ -42,6 +42,6 @@ void run_and_show(RgbdSource& source, const Config& config, const RunFlags& flag
 
 // Who the extension lets watch, by its options; null = no one.
 [[nodiscard]] std::unique_ptr<Observer> make_observer(const Extension& extension,
-                                                      const Extension::Values& values);
+                                                      Extension::Values values, bool force);
 
 }  // namespace edvo::app

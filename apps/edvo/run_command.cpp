@@ -42,7 +42,8 @@ void run(const Arguments& arguments, const Extension& extension) {
   SequenceChoice sequence = arguments.sequence;
   if (!arguments.camera_size.empty())
     sequence.camera_size = parse_size("--camera-size", arguments.camera_size);
-  const std::unique_ptr<Observer> watcher = make_observer(extension, arguments.extra);
+  const std::unique_ptr<Observer> watcher =
+      make_observer(extension, arguments.extra, arguments.run.force);
   const std::unique_ptr<RgbdSource> source =
       masked(open_source(sequence, arguments, extension), arguments.mask);
   std::vector<std::string> findings;

@@ -10,7 +10,8 @@ void add_run_flags(CLI::App& command, RunFlags& flags) {
       .add_option("-o,--output", flags.output,
                   "Folder for the results, default runs/<sequence>/<UTC time>")
       ->type_name("DIR");
-  command.add_flag("--force", flags.force, "Replace the results of an earlier run in DIR");
+  command.add_flag("--force", flags.force,
+                   "Replace what an earlier run has left: its folder, map and points");
   command
       .add_option("--edge-cache", flags.edge_cache,
                   "Folder that keeps the network's edge maps for the next run")

@@ -5,6 +5,7 @@
 #include "edvo/report/machine.hpp"
 #include "edvo/saved_map/map_file.hpp"
 #include "edvo/slam/slam.hpp"
+#include "output_name.hpp"
 
 #include <fmt/core.h>
 
@@ -87,6 +88,7 @@ RunMaps::RunMaps(const RunFlags& flags, const Config& config, const RunDescripti
               .config = run.config,
               .made_by = "edvo " + this_machine().edvo} {
   require_possible(flags, config);
+  if (!flags.save_map.empty()) require_new_map("--save-map", flags.save_map, flags.force);
   if (!target_.empty()) lock_ = std::make_unique<MapLock>(target_);
   if (!map_.empty()) earlier_ = load_fitting(map_, run, extends_, warn);
 }

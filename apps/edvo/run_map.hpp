@@ -19,7 +19,8 @@ namespace edvo::app {
 class RunMaps {
  public:
   // warn: told what does not quite fit. Throws Error(kUsage) if the flags ask for a map that this
-  // run cannot make, Error(kMap) if the map does not fit the sequence or is in use.
+  // run cannot make, Error(kMap) if the map does not fit the sequence or is in use, Error(kOutput)
+  // if --save-map names a file that is there.
   RunMaps(const RunFlags& flags, const Config& config, const RunDescription& run,
           const std::function<void(const std::string&)>& warn);
 

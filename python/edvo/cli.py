@@ -123,6 +123,9 @@ class Host:
 
     def make_observers(self, values: dict[str, str]) -> list[Observer]:
         observers: list[Observer] = []
+        for option in ("--record", "--mcap"):
+            if option in values:
+                require_new(option, values[option], "--force" in values)
         if "--view" in values or "--record" in values:
             from edvo.view import RerunObserver
 
@@ -150,6 +153,15 @@ def verb(function: Callable[[list[str]], int]) -> Callable[[list[str]], int]:
             signal.signal(signal.SIGINT, before)
 
     return call
+
+
+def require_new(option: str, file: str | Path, force: bool) -> None:
+    """As the program has it: without ``--force`` no file is replaced, but for an empty one."""
+    place = Path(file)
+    if not force and place.is_file() and place.stat().st_size > 0:
+        raise Error(
+            f"{option} {file}: there is such a file; give another name, or replace it with --force", 7
+        )
 
 
 def add_source_arguments(parser: argparse.ArgumentParser) -> None:
@@ -234,7 +246,7 @@ def pull(words: list[str]) -> int:
 
 
 def export(words: list[str]) -> int:
-    from edvo.trajectory import FORMATS, Trajectory
+    from edvo.trajectory import FORMATS, Trajectory, format_of
 
     parser = Parser(
         "edvo export", description="Writes a run's trajectory, or a file's, in another format."
@@ -242,14 +254,14 @@ def export(words: list[str]) -> int:
     parser.add_argument("source", metavar="RUN|FILE", help="a run's folder or a trajectory file")
     parser.add_argument("file", metavar="OUT", help="the file to write")
     parser.add_argument(
-        "--format", choices=FORMATS, help="default: mcap for .mcap, euroc for .csv, else tum"
+        "--format", choices=FORMATS, help="default: as OUT ends, .tum, .txt, .kitti, .csv or .mcap"
     )
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
     arguments = parser.parse_args(words)
+    chosen = arguments.format or format_of(arguments.file)
+    require_new("export", arguments.file, arguments.force)
     source = Path(arguments.source)
     trajectory = Trajectory.read(source / "trajectory.tum" if source.is_dir() else source)
-    chosen = arguments.format or {".mcap": "mcap", ".csv": "euroc"}.get(
-        Path(arguments.file).suffix, "tum"
-    )
     trajectory.write(arguments.file, format=chosen)
     return 0
 
@@ -258,7 +270,10 @@ def view(words: list[str]) -> int:
     parser = Parser("edvo view", description="Shows a finished run in Rerun.")
     parser.add_argument("run", metavar="RUN", help="folder that edvo run wrote, or its .rrd file")
     parser.add_argument("--record", metavar="FILE.rrd", help="write a file instead of showing it")
+    parser.add_argument("--force", action="store_true", help="replace a recording that is there")
     arguments = parser.parse_args(words)
+    if arguments.record is not None:
+        require_new("--record", arguments.record, arguments.force)
     from edvo.view import show_file, show_run
 
     if Path(arguments.run).suffix == ".rrd":

@@ -25,6 +25,25 @@ class Error(RuntimeError):
         return Error, (str(self), self.code)
 
 
+# What the program's messages call a flag, and what ``edvo.run`` does. Longer ones first.
+FLAGS = {
+    "--no-loops": "loops=False",
+    "--update-map": "update_map=True",
+    "--save-map": "save_map",
+    "--force": "force=True",
+    "--map": "map",
+    "with -o": "by output",
+}
+
+
+def in_python(error: Error) -> Error:
+    """The error with the keywords of Python instead of the program's flags."""
+    text = str(error)
+    for flag, keyword in FLAGS.items():
+        text = text.replace(flag, keyword)
+    return Error(text, error.code)
+
+
 def missing_extra(purpose: str, package: str, extra: str) -> Error:
     """What is raised where a part of edvo needs a package that is not installed."""
     return Error(f"{purpose} needs the package {package}: pip install 'edvo[{extra}]'", code=2)

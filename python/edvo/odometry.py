@@ -278,7 +278,8 @@ class Slam(Tracker):
 
     def save_map(self, file: str | Path) -> None:
         """After ``finish``: keyframes, images and links, for ``Slam(map=...)`` and ``edvo run --map``.
-        The file appears whole or not at all; ``edvo.Error`` if another program writes it."""
+        The file appears whole or not at all, and replaces a map of that name; ``edvo.Error`` if it
+        is no map (code 7), or another program writes it (code 11)."""
         self._core.save_map(Path(file))
 
     def links(self) -> list[Link]:

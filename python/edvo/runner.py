@@ -14,7 +14,7 @@ from edvo import _core
 from edvo.camera import Camera
 from edvo.detector import EdgeDetector, require_detector
 from edvo.doctor import Finding, gravest
-from edvo.errors import Error
+from edvo.errors import Error, in_python
 from edvo.evaluation import Evaluation, evaluate
 from edvo.images import Mask, visible_pixels
 from edvo.observer import Observer, SourceInfo, require_observers, source_info
@@ -162,12 +162,12 @@ def run(
     ``source``: a ``Source``, or a path for ``open_source``, whose keywords are taken here too
     (``camera=``, ``depth_scale=``, ...; or as a dictionary, ``source_options``). ``options``, or
     ``method`` and keywords "group.field", and ``detector``, as for ``Odometry``. ``threads``: one of them tracks, the
-    others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), replaced
-    with ``force``. ``doctor``: of a path, look for grave faults first (``Run.findings``; they are in
+    others read ahead. ``output``: a folder for all that the program writes (docs/runs.md), whose
+    earlier run is replaced with ``force``. ``doctor``: of a path, look for grave faults first (``Run.findings``; they are in
     the report, too). ``loops``, ``final_pass``: what ``--no-loops`` and ``--no-final-pass`` leave out.
     ``map``: a saved map in whose frame the poses are where the run is found in it (``Run.map_segments``;
     if it is not, ``edvo.Error``), ``update_map`` extends it; ``save_map``: a file for this run's own
-    (docs/maps.md). ``mask``: an image file or H x W array, black or 0 where colour images show what
+    (docs/maps.md), which replaces an earlier map only with ``force``. ``mask``: an image file or H x W array, black or 0 where colour images show what
     moves with the camera, as a robot's arm: not used. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
     whose results so far are its results. Raises ``edvo.Error`` whose ``run`` has what was done: if the
     source fails on the way (what it raised is the ``__cause__``), and with code 9 if no frame could
@@ -188,23 +188,26 @@ def run(
     opened = opened_source(source, of_source)
     is_named = not isinstance(source, Source)
     findings = gravest(opened) if doctor and is_named else []
-    fields = _core.run(
-        opened,
-        watchers,
-        chosen.method,
-        [*chosen.changes, *([] if final_pass else ["window.final_iterations=0"])],
-        threads,
-        None if output is None else Path(output),
-        force,
-        max_frames or 0,
-        [f"doctor: {finding}" for finding in findings],
-        detector,
-        loops,
-        None if map is None else Path(map),
-        None if save_map is None else Path(save_map),
-        update_map,
-        None if mask is None else visible_pixels(mask, opened.camera.width, opened.camera.height),
-    )
+    try:
+        fields = _core.run(
+            opened,
+            watchers,
+            chosen.method,
+            [*chosen.changes, *([] if final_pass else ["window.final_iterations=0"])],
+            threads,
+            None if output is None else Path(output),
+            force,
+            max_frames or 0,
+            [f"doctor: {finding}" for finding in findings],
+            detector,
+            loops,
+            None if map is None else Path(map),
+            None if save_map is None else Path(save_map),
+            update_map,
+            None if mask is None else visible_pixels(mask, opened.camera.width, opened.camera.height),
+        )
+    except Error as error:
+        raise in_python(error) from error.__cause__
     result = run_from(fields, tuple(findings))
     if result.error is not None:
         result.error.run = result

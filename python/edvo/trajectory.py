@@ -14,6 +14,7 @@ from edvo.errors import Error
 
 
 FORMATS = ("tum", "kitti", "euroc", "mcap")
+ENDINGS = {".tum": "tum", ".txt": "tum", ".kitti": "kitti", ".csv": "euroc", ".mcap": "mcap"}
 # Stamps [ns], decimals, poses, segments: as _core has them.
 Arrays = tuple[NDArray[np.int64], int, NDArray[np.float64], NDArray[np.int64]]
 
@@ -123,9 +124,13 @@ class Trajectory:
         arrays, _ = _core.read_trajectory(Path(file))
         return Trajectory._from_arrays(arrays)
 
-    def write(self, file: str | Path, format: str = "tum") -> None:
-        """Writes a file: "tum", "kitti" (3 x 4 matrices, no stamps), "euroc" (csv) or "mcap" (ROS 2:
-        TF and a path; needs edvo[ros])."""
+    def write(self, file: str | Path, format: str | None = None) -> None:
+        """Writes a file, or replaces it: as "tum", "kitti" (3 x 4 matrices, no stamps), "euroc" (csv)
+        or "mcap" (ROS 2: TF and a path; needs edvo[ros]). None: as its name ends, with .tum or .txt,
+        .kitti, .csv, .mcap; ``edvo.Error`` (code 2) with another ending, (code 7) if it cannot be
+        written."""
+        if format is None:
+            format = format_of(file)
         if format not in FORMATS:
             raise ValueError(f"format {format!r}: unknown, one of {', '.join(FORMATS)}")
         try:
@@ -155,6 +160,15 @@ class Trajectory:
         for stamp, (tx, ty, tz, qx, qy, qz, qw) in zip(self.stamps_ns, self.values.tolist()):
             lines.append(",".join([str(stamp), *map(repr, (tx, ty, tz, qw, qx, qy, qz))]) + "\n")
         file.write_text("".join(lines), encoding="utf-8")
+
+
+def format_of(file: str | Path) -> str:
+    """The format that a file's name says; TUM's without an ending."""
+    ending = Path(file).suffix.lower()
+    if ending and ending not in ENDINGS:
+        known = ", ".join(f"{name} ({format})" for name, format in ENDINGS.items())
+        raise Error(f"{file}: no known format; it may end in {known}, or give the format", 2)
+    return ENDINGS.get(ending, "tum")
 
 
 def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

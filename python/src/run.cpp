@@ -44,6 +44,7 @@ app::RunFlags map_flags(const RunChoice& choice) {
   if (choice.map) flags.map = choice.map->string();
   if (choice.save_map) flags.save_map = choice.save_map->string();
   flags.update_map = choice.update_map;
+  flags.force = choice.force;
   flags.no_loops = !choice.loops;
   return flags;
 }

@@ -205,6 +205,29 @@ def test_a_map_made_by_hand_is_that_of_a_run(interrupted: Memory, tmp_path: Path
     assert again.map_segments() == [0]
 
 
+def test_a_map_replaces_no_other_file_and_a_map_only_if_told_to(
+    interrupted: Memory, tmp_path: Path
+) -> None:
+    few = visit(interrupted, 0, 20)
+    notes, file = tmp_path / "notes.txt", tmp_path / "room.map"
+    notes.write_text("of weeks")
+    with pytest.raises(edvo.Error, match="is no map of edvo") as caught:
+        edvo.run(few, save_map=notes, force=True)
+    assert caught.value.code == 7
+    edvo.run(few, save_map=file)
+    with pytest.raises(edvo.Error, match="save_map .*replace it with force=True$") as caught:
+        edvo.run(few, save_map=file)
+    assert caught.value.code == 7
+    edvo.run(few, save_map=file, force=True)
+    slam = edvo.Slam(interrupted.camera)
+    track(slam, few.list)
+    slam.finish()
+    slam.save_map(file)  # by hand it is meant
+    with pytest.raises(edvo.Error, match="is no map of edvo"):
+        slam.save_map(notes)
+    assert notes.read_text() == "of weeks"
+
+
 def test_a_run_that_is_not_in_the_map_says_so_and_keeps_its_result(
     interrupted: Memory, tmp_path: Path
 ) -> None:

@@ -104,3 +104,47 @@ def test_a_format_or_a_place_that_cannot_be_is_named(finished: Path) -> None:
         with pytest.raises(edvo.Error, match="/proc/nowhere") as caught:
             trajectory.write("/proc/nowhere", format=format)
         assert caught.value.code == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "start"),
+    [("a.csv", "#timestamp [ns]"), ("a.kitti", "1."), ("a.TXT", "1300"), ("a", "1300")],
+)
+def test_the_name_says_the_format(name: str, start: str, finished: Path, tmp_path: Path) -> None:
+    file = tmp_path / name
+    edvo.Trajectory.read(finished / "trajectory.tum").write(file)
+    assert file.read_text().startswith(start)
+    assert main(["export", str(finished), str(tmp_path / f"b{name}")]) == 0
+    assert (tmp_path / f"b{name}").read_bytes() == file.read_bytes()
+
+
+def test_the_name_of_a_recording_is_one(finished: Path, tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    edvo.Trajectory.read(finished / "trajectory.tum").write(tmp_path / "a.mcap")
+    assert (tmp_path / "a.mcap").read_bytes().startswith(b"\x89MCAP0")
+
+
+def test_an_unknown_ending_is_refused(
+    finished: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(edvo.Error, match=r"o.json: no known format; .*\.csv \(euroc\)") as caught:
+        edvo.Trajectory.read(finished / "trajectory.tum").write(tmp_path / "o.json")
+    assert caught.value.code == 2 and not (tmp_path / "o.json").exists()
+    assert main(["export", str(finished), str(tmp_path / "o.json")]) == 2
+    assert "no known format" in capfd.readouterr().err
+
+
+def test_no_file_is_replaced_unasked(
+    sequence: Path, finished: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "notes.txt"
+    file.write_text("of weeks")
+    assert main(["export", str(finished), str(file)]) == 7
+    assert main(["run", str(sequence), "--max-frames", "4", "--quiet", "--mcap", str(file)]) == 7
+    assert main(["run", str(sequence), "--max-frames", "4", "--quiet", "--record", str(file)]) == 7
+    assert main(["view", str(finished), "--record", str(file)]) == 7
+    said = capfd.readouterr().err
+    assert said.count("replace it with --force") == 4
+    assert file.read_text() == "of weeks"
+    assert main(["export", str(finished), str(file), "--force"]) == 0
+    assert file.read_bytes() == (finished / "trajectory.tum").read_bytes()

@@ -158,6 +158,64 @@ TEST_F(MapCommand, RefusesOptionsThatMakeNoSense) {
   refuses("--method origin --save-map x.map", "keeps no keyframes");
 }
 
+TEST_F(MapCommand, ReplacesNoFileUnasked) {
+  constexpr int kOutputStatus = static_cast<int>(ErrorCode::kOutput);
+  const auto track = [](const std::string& name, const std::string& flags) {
+    fs::remove_all(place("fresh"));
+    return run_edvo("run " + place("room") + " -o " + place("fresh") +
+                    " --quiet --no-report --max-frames 8 --save-map " + place(name) + " " + flags +
+                    " 2>&1");
+  };
+  folder_->write("notes.txt", "of weeks");
+  for (const std::string flags : {"", "--force"}) {
+    const ProgramResult result = track("notes.txt", flags);
+    EXPECT_EQ(result.status, kOutputStatus) << flags;
+    EXPECT_THAT(result.output, HasSubstr("notes.txt: is no map of edvo"));
+    EXPECT_FALSE(fs::exists(place("fresh")));  // before anything is tracked
+  }
+  EXPECT_EQ(read_file(place("notes.txt")), "of weeks");
+
+  const std::string old = read_file(place("room.map"));
+  folder_->write("again.map", old);
+  const ProgramResult refused = track("again.map", "");
+  EXPECT_EQ(refused.status, kOutputStatus);
+  EXPECT_THAT(refused.output, HasSubstr("replace it with --force"));
+  EXPECT_EQ(read_file(place("again.map")), old);
+  EXPECT_EQ(track("again.map", "--force").status, 0);
+  EXPECT_NE(read_file(place("again.map")), old);
+
+  const std::string both = place("room.map") + " " + place("again.map");
+  const ProgramResult merged =
+      run_edvo("map merge " + both + " -o " + place("again.map") + " 2>&1");
+  EXPECT_EQ(merged.status, kOutputStatus) << merged.output;
+}
+
+TEST_F(MapCommand, ExportReplacesNoFileUnaskedAndWritesNoOtherFormat) {
+  folder_->write("old.yaml", "image: other.pgm");
+  const auto exported = [](const std::string& flags) {
+    return run_edvo("map export " + place("room.map") + " " + flags + " 2>&1");
+  };
+  const ProgramResult grid = exported("--grid " + place("old.pgm"));
+  EXPECT_EQ(grid.status, static_cast<int>(ErrorCode::kOutput));
+  EXPECT_THAT(grid.output, HasSubstr("old.yaml: there is such a file"));
+  EXPECT_FALSE(fs::exists(place("old.pgm")));
+  EXPECT_EQ(exported("--force --grid " + place("old.pgm")).status, 0);
+  for (const std::string flags :
+       {"--mesh q.obj", "--mesh q.STL", "--points q.xyz", "--grid g.png", "--trajectory k.csv"}) {
+    const ProgramResult result = exported(flags);
+    EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kUsage)) << flags;
+    EXPECT_THAT(result.output, HasSubstr("is not written here, only ."));
+  }
+}
+
+TEST_F(MapCommand, MergesNoMapWithItself) {
+  const ProgramResult result = run_edvo("map merge " + place("room.map") + " " + place(".") +
+                                        "/room.map -o " + place("twice.map") + " 2>&1");
+  EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kUsage));
+  EXPECT_THAT(result.output, HasSubstr("is the same file as"));
+  EXPECT_FALSE(fs::exists(place("twice.map")));
+}
+
 // A limit on the size of files stands for a full disk.
 TEST_F(MapCommand, AMapThatDoesNotFitTheDiskLeavesTheOldOne) {
   fs::copy_file(place("room.map"), place("kept.map"));

@@ -153,6 +153,12 @@ TEST_F(RunCommand, WritesThePointsOfItsKeyframes) {
   EXPECT_GT(count, 100U);
   const std::string end = "end_header\n";
   EXPECT_EQ(text.size(), text.find(end) + end.size() + 15 * count);
+
+  const auto again =
+      run_edvo("run " + sequence().string() + " --points " + points.string() + " 2>&1");
+  EXPECT_EQ(again.status, static_cast<int>(ErrorCode::kOutput));
+  EXPECT_THAT(again.output, HasSubstr("replace it with --force"));
+  EXPECT_EQ(text_of(points), text);
 }
 
 TEST_F(RunCommand, FailsWhereNothingCanBeTracked) {

@@ -19,10 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 
 Error write_error(const fs::path& path, int error_number) {
-  const char* remedy = "choose another folder with -o";
+  const char* remedy = "choose another place";
   if (error_number == ENOSPC || error_number == EDQUOT) remedy = "free some space on that disk";
   if (error_number == EACCES || error_number == EROFS || error_number == EPERM)
-    remedy = "choose a folder you may write to with -o";
+    remedy = "choose a folder that you may write to";
   return {ErrorCode::kOutput, fmt::format("{}: cannot write: {}; {}", path.string(),
                                           std::strerror(error_number), remedy)};
 }
@@ -103,6 +103,11 @@ void WholeFile::fail(int error_number) {
   if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
   ::unlink(unfinished_.c_str());
   throw write_error(path_, error_number);
+}
+
+bool would_be_lost(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) && !fs::is_empty(path, error);
 }
 
 void write_whole(const fs::path& path, std::string_view content) {

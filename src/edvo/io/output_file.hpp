@@ -54,6 +54,9 @@ class WholeFile {
 // the end of the message.
 void make_folder(const std::filesystem::path& folder, std::string_view remedy = {});
 
+// Whether writing this file would replace something: a regular file that is not empty.
+[[nodiscard]] bool would_be_lost(const std::filesystem::path& path);
+
 // Replaces the file by the content, as WholeFile does.
 void write_whole(const std::filesystem::path& path, std::string_view content);
 

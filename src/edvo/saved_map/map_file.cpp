@@ -5,8 +5,12 @@
 #include "edvo/io/section_file.hpp"
 #include "edvo/saved_map/view_bytes.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 namespace edvo {
@@ -241,7 +245,18 @@ class MapReader {
 
 }  // namespace
 
+void require_map_or_nothing(const std::filesystem::path& path) {
+  if (!would_be_lost(path)) return;
+  std::string magic(kFormat.magic.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(magic.data(), std::ssize(magic));
+  if (magic != kFormat.magic)
+    throw Error(ErrorCode::kOutput,
+                fmt::format("{}: is no map of edvo, and is not replaced by one; give another file",
+                            path.string()));
+}
+
 void save_map(const std::filesystem::path& path, const SavedMap& map) {
+  require_map_or_nothing(path);
   SectionWriter file(path, kFormat);
   file.add(kHead, head_bytes(map));
   file.add(kPoses, pose_bytes(map));
