@@ -21,7 +21,9 @@ class Camera:
 
     Focal lengths and principal point in pixels; pixel centres are integers. ``fy`` may be negative
     (ICL-NUIM's y axis points up). ``distortion`` is k1 k2 p1 p2 k3 k4 k5 k6 in OpenCV's order and
-    model, padded with zeros, or k1 k2 k3 k4 of OpenCV's fisheye model if ``equidistant``.
+    model, padded with zeros, or k1 k2 k3 k4 of OpenCV's fisheye model if ``equidistant``. Raises
+    TypeError for what is no number, ``edvo.Error`` (code 5) for values that no camera has, which the
+    program refuses in files, too.
     """
 
     fx: float
@@ -34,6 +36,13 @@ class Camera:
     equidistant: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("fx", "fy", "cx", "cy"):
+            object.__setattr__(self, name, as_number(name, getattr(self, name)))
+        for name in ("width", "height"):
+            side = as_number(name, getattr(self, name))
+            if not side.is_integer():
+                raise ValueError(f"Camera: {name} {side}: a whole number of pixels is expected")
+            object.__setattr__(self, name, int(side))
         most = 4 if self.equidistant else 8
         if any(self.distortion[most:]):
             raise ValueError(
@@ -42,6 +51,7 @@ class Camera:
             )
         padded = ([float(value) for value in self.distortion] + [0.0] * 8)[:8]
         object.__setattr__(self, "distortion", tuple(padded))
+        _core.require_possible_camera(as_tuple(self))
 
     @property
     def matrix(self) -> NDArray[np.float64]:
@@ -76,6 +86,15 @@ class Camera:
     def to_toml(self) -> str:
         """The camera as ``edvo run --camera`` reads it, to the last bit."""
         return str(_core.camera_to_toml(as_tuple(self)))
+
+
+def as_number(name: str, value: object) -> float:
+    try:
+        if not isinstance(value, (str, bytes)):
+            return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        pass
+    raise TypeError(f"Camera: {name} {value!r}: a number is expected")
 
 
 def read_scaled(

@@ -21,9 +21,18 @@ def as_array(name: str, image: Any) -> NDArray[Any]:
     return image
 
 
+def unmasked(image: NDArray[Any]) -> NDArray[Any]:
+    """Depth of a masked array: 0, which is none, where it is masked."""
+    return image.filled(0) if isinstance(image, np.ma.MaskedArray) else image
+
+
 def check_rgb(rgb: Any, width: int, height: int) -> Rgb:
     """uint8, H x W x 3 or H x W (grey), contiguous; of the camera's size."""
     image = as_array("rgb", rgb)
+    if np.ma.is_masked(image):
+        raise TypeError(
+            "rgb: a masked array; colour has no value for none: mask its depth, or give mask="
+        )
     if image.dtype != np.uint8:
         hint = ""
         if image.dtype.kind == "f":
@@ -61,8 +70,8 @@ def visible_pixels(mask: Mask, width: int, height: int) -> NDArray[np.uint8]:
 
 
 def check_depth(depth: Any, width: int, height: int) -> NDArray[Any]:
-    """float32 [m] or uint16 [units], H x W, contiguous; of the camera's size."""
-    image = as_array("depth", depth)
+    """float32 [m] or uint16 [units], H x W, contiguous; of the camera's size. Masked: 0 = none."""
+    image = unmasked(as_array("depth", depth))
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
     if image.ndim != 2:

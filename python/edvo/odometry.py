@@ -140,8 +140,9 @@ class Tracker:
 
         ``stamp`` in seconds, later than the one before. ``rgb``: H x W x 3, uint8, RGB. ``depth``:
         H x W, registered to ``rgb``; float32 in metres (NaN or 0 = none), or uint16 with
-        ``depth_scale`` units per metre (0 and 65535 = none). Raises TypeError and ValueError for
-        arrays that do not fit, ``edvo.Error`` for images out of order; then nothing has changed.
+        ``depth_scale`` units per metre (0 and 65535 = none); where a masked array is masked, there is
+        none. Raises TypeError and ValueError for arrays that do not fit, also for floats with a scale
+        other than 1, ``edvo.Error`` for images out of order; then nothing has changed.
         """
         return self.process_ns(*nanoseconds(stamp), rgb, depth, depth_scale)
 
@@ -164,10 +165,19 @@ class Tracker:
                 scale = self._units_per_metre(depth_scale)
                 fields = self._core.process_units(stamp_ns, decimals, rgb, depth, scale)
             else:
+                self._require_metres(depth_scale)
                 fields = self._core.process_metres(stamp_ns, decimals, rgb, depth)
         except Error as error:
             raise_cause(error, self.detector)
         return result_from(fields)
+
+    def _require_metres(self, given: float | None) -> None:
+        scale = given if given is not None else self.depth_scale
+        if scale not in (None, 1):
+            raise ValueError(
+                f"depth: float32 is in metres, but depth_scale is {scale}; give uint16, or metres "
+                "without depth_scale"
+            )
 
     def _units_per_metre(self, given: float | None) -> float:
         scale = given if given is not None else self.depth_scale

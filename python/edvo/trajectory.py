@@ -110,13 +110,32 @@ class Trajectory:
     def from_poses(
         stamps_ns: NDArray[np.int64], poses: NDArray[np.float64], decimals: int = 9
     ) -> Trajectory:
-        """From N x 4 x 4 matrices world_from_camera."""
-        poses = np.asarray(poses, np.float64).reshape(-1, 4, 4)
+        """From N x 4 x 4 rigid matrices world_from_camera [m].
+
+        ``stamps_ns``: N integers [ns], ascending; of seconds they are
+        ``numpy.round(seconds * 1e9).astype(numpy.int64)``. ``decimals``: digits of a second that files
+        keep. Raises TypeError for stamps that are no integers, ValueError for shapes and matrices
+        that do not fit, ``edvo.Error`` (code 3) for stamps out of order.
+        """
+        times = np.asarray(stamps_ns)
+        if times.size and times.dtype.kind not in "iu":
+            raise TypeError(
+                f"stamps_ns: integers in nanoseconds are expected, got {times.dtype}; of seconds "
+                "they are numpy.round(seconds * 1e9).astype(numpy.int64)"
+            )
+        poses = np.asarray(poses, np.float64)
+        if poses.shape != (len(times), 4, 4):
+            raise ValueError(
+                f"poses: shape ({len(times)}, 4, 4) is expected for {len(times)} stamps, got "
+                f"{poses.shape}"
+            )
+        require_ascending(times)
+        require_rigid(poses)
         values = np.empty((len(poses), 7))
         values[:, :3] = poses[:, :3, 3]
         for i, pose in enumerate(poses):
             values[i, 3:] = quaternion(pose[:3, :3])
-        return Trajectory(np.asarray(stamps_ns, np.int64), values, decimals)
+        return Trajectory(times.astype(np.int64), values, decimals)
 
     @staticmethod
     def read(file: str | Path) -> Trajectory:
@@ -160,6 +179,35 @@ class Trajectory:
         for stamp, (tx, ty, tz, qx, qy, qz, qw) in zip(self.stamps_ns, self.values.tolist()):
             lines.append(",".join([str(stamp), *map(repr, (tx, ty, tz, qw, qx, qy, qz))]) + "\n")
         file.write_text("".join(lines), encoding="utf-8")
+
+
+def require_ascending(stamps_ns: NDArray[np.int64]) -> None:
+    late = np.flatnonzero(np.diff(stamps_ns) <= 0)
+    if len(late):
+        i = int(late[0]) + 1
+        raise Error(
+            f"stamps_ns[{i}]: {stamps_ns[i]} is not later than {stamps_ns[i - 1]} before it; sort "
+            "the poses by stamp, each stamp once",
+            3,
+        )
+
+
+RIGID_TOLERANCE = 1e-2  # of R' R - 1; files with few digits have up to 1e-3
+
+
+def require_rigid(poses: NDArray[np.float64]) -> None:
+    turns = poses[:, :3, :3]
+    with np.errstate(invalid="ignore"):
+        errors = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(axis=(1, 2), initial=0)
+        rigid = (errors < RIGID_TOLERANCE) & (np.linalg.det(turns) > 0)
+        rigid &= np.isfinite(poses[:, :3, 3]).all(axis=1)
+        rigid &= np.abs(poses[:, 3] - [0, 0, 0, 1]).max(axis=1, initial=0) < RIGID_TOLERANCE
+    if not rigid.all():
+        i = int(np.flatnonzero(~rigid)[0])
+        raise ValueError(
+            f"poses[{i}]: no rigid motion: a rotation and a finite translation over the row 0 0 0 1 "
+            f"are expected, got {poses[i].round(4).tolist()}; leave lost poses out"
+        )
 
 
 def format_of(file: str | Path) -> str:

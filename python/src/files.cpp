@@ -49,6 +49,10 @@ void add_files(nb::module_& module) {
       },
       "file"_a, "width"_a, "height"_a);
   module.def(
+      "require_possible_camera",
+      [](const CameraTuple& camera) { require_possible("edvo.Camera", to_camera(camera)); },
+      "camera"_a);
+  module.def(
       "camera_to_toml", [](const CameraTuple& camera) { return camera_to_toml(to_camera(camera)); },
       "camera"_a);
   module.def(

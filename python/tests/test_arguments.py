@@ -89,3 +89,91 @@ def test_a_run_and_a_trajectory_are_short_to_print(sequence: Path) -> None:
     assert repr(run) == "Run('office': 5 tracked)"
     assert re.fullmatch(r"Trajectory\(5 poses, .* s to .* s\)", repr(run.trajectory))
     assert repr(edvo.Trajectory(np.zeros(0), np.zeros((0, 7)))) == "Trajectory(no poses)"
+
+
+GOOD = {"fx": 525.0, "fy": 525.0, "cx": 319.5, "cy": 239.5, "width": 640, "height": 480}
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "words"),
+    [
+        ({"fx": float("nan")}, edvo.Error, "fx = nan is no focal length"),
+        ({"fy": float("inf")}, edvo.Error, "fy = inf is no focal length"),
+        ({"fx": 0.001}, edvo.Error, "fx = 0.001 is no focal length in pixels of a 640 px"),
+        ({"fx": -525}, edvo.Error, "fx = -525"),
+        ({"cx": 3195}, edvo.Error, "cx = 3195 is far outside"),
+        ({"distortion": (float("nan"),)}, edvo.Error, "distortion coefficient"),
+        ({"width": 0, "height": 0}, edvo.Error, "0 x 0 is no size"),
+        ({"width": 640.5}, ValueError, "width 640.5: a whole number"),
+        ({"fx": "525"}, TypeError, "fx '525': a number is expected"),
+        ({"cy": None}, TypeError, "cy None: a number is expected"),
+    ],
+)
+def test_an_impossible_camera_is_refused(
+    change: dict[str, Any], error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words) as caught:
+        edvo.Camera(**(GOOD | change))
+    if isinstance(caught.value, edvo.Error):
+        assert caught.value.code == 5
+    assert edvo.Camera(**(GOOD | {"width": 640.0})) == edvo.Camera(**GOOD)
+
+
+def test_what_is_masked_in_depth_is_none(camera: edvo.Camera, frames: Frames) -> None:
+    hole = np.zeros(frames[0].depth.shape, bool)
+    hole[40:120, 50:200] = True
+
+    def track(depths: list[Any], **more: Any) -> Any:
+        tracker = edvo.Odometry(camera)
+        for frame, depth in zip(frames, depths):
+            result = tracker.process_ns(frame.stamp_ns, 9, frame.rgb, depth, **more)
+        return result.pose
+
+    metres = [np.nan_to_num(f.depth) for f in frames[:8]]
+    expected = track([np.where(hole, 0, z) for z in metres])
+    assert np.array_equal(track([np.ma.array(z, mask=hole) for z in metres]), expected)
+    units = [(z * 5000).round().astype(np.uint16) for z in metres]
+    assert np.array_equal(
+        track([np.ma.array(z, mask=hole) for z in units], depth_scale=5000),
+        track([np.where(hole, 0, z).astype(np.uint16) for z in units], depth_scale=5000),
+    )
+    rgb = np.ma.array(frames[0].rgb, mask=False)
+    edvo.Odometry(camera).process(0, rgb, metres[0])
+    rgb.mask = np.repeat(hole[:, :, None], 3, axis=2)
+    with pytest.raises(TypeError, match="rgb: a masked array"):
+        edvo.Odometry(camera).process(0, rgb, metres[0])
+
+
+def test_metres_have_no_scale(camera: edvo.Camera, frames: Frames) -> None:
+    for odometry, scale in (
+        (edvo.Odometry(camera), 1000), (edvo.Odometry(camera, depth_scale=1000), None)
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match="float32 is in metres, but depth_scale is 1000"):
+            odometry.process(0, frames[0].rgb, frames[0].depth * 1000, depth_scale=scale)
+    edvo.Odometry(camera).process(0, frames[0].rgb, frames[0].depth, depth_scale=1)
+
+
+def poses(count: int) -> np.ndarray[Any, Any]:
+    return np.tile(np.eye(4), (count, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("stamps", "matrices", "error", "words"),
+    [
+        ([1.305e9, 1.306e9], poses(2), TypeError, r"nanoseconds are expected, got float64; .*1e9"),
+        ([3, 2], poses(2), edvo.Error, r"stamps_ns\[1\]: 2 is not later than 3"),
+        ([2, 2], poses(2), edvo.Error, r"stamps_ns\[1\]: 2 is not later than 2"),
+        ([1, 2], poses(3), ValueError, r"\(2, 4, 4\) is expected for 2 stamps, got \(3, 4, 4\)"),
+        ([1], np.ones((1, 4, 4)), ValueError, r"poses\[0\]: no rigid motion"),
+        ([1, 2], poses(2) * [[[1]], [[2]]], ValueError, r"poses\[1\]: no rigid motion"),
+        ([1], np.diag([1.0, 1, -1, 1])[None], ValueError, "no rigid motion"),
+        ([1], np.full((1, 4, 4), np.nan), ValueError, "no rigid motion"),
+    ],
+)
+def test_poses_that_are_none_are_refused(
+    stamps: list[Any], matrices: Any, error: type[Exception], words: str
+) -> None:
+    with pytest.raises(error, match=words):
+        edvo.Trajectory.from_poses(np.array(stamps), matrices)
+    assert len(edvo.Trajectory.from_poses(np.array([1, 2]), [np.eye(4)] * 2)) == 2  # type: ignore[arg-type]
+    assert len(edvo.Trajectory.from_poses(np.zeros(0), np.zeros((0, 4, 4)))) == 0  # type: ignore[arg-type]

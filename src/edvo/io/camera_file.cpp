@@ -203,30 +203,6 @@ void set_distortion(DistortedCamera& camera, const path& file, const StatedCamer
   camera.lens = stated.lens;
 }
 
-void check_values(const path& file, const DistortedCamera& camera) {
-  const Camera& pinhole = camera.pinhole;
-  const auto check = [&](const char* name, double value, bool is_right, const std::string& need) {
-    if (!std::isfinite(value) || !is_right)
-      fail_camera(file, fmt::format("{} = {} {}", name, value, need));
-  };
-  const double width = pinhole.width, height = pinhole.height;
-  const auto is_focal = [&](double f) {
-    return f >= kShortestFocalLength * width && f <= kLongestFocalLength * width;
-  };
-  const auto is_near = [&](double c, double side) {
-    return c >= -kFarthestPrincipalPoint * side && c <= (1 + kFarthestPrincipalPoint) * side;
-  };
-  const std::string focal =
-      fmt::format("is no focal length in pixels of a {} px wide image", width);
-  check("fx", pinhole.fx, is_focal(pinhole.fx), focal);
-  check("fy", pinhole.fy, is_focal(std::abs(pinhole.fy)), focal);
-  const std::string centre = fmt::format("is far outside of an image of {} x {} px", width, height);
-  check("cx", pinhole.cx, is_near(pinhole.cx, width), centre);
-  check("cy", pinhole.cy, is_near(pinhole.cy, height), centre);
-  for (const double k : camera.distortion)
-    check("distortion coefficient", k, true, "is not finite");
-}
-
 }  // namespace
 
 void fail_camera(const path& file, std::string_view reason) {
@@ -275,8 +251,34 @@ DistortedCamera read_camera(const path& file, cv::Size image_size) {
                                      .width = size.width,
                                      .height = size.height}};
   set_distortion(camera, file, stated);
-  check_values(file, camera);
+  require_possible(file, camera);
   return camera;
+}
+
+void require_possible(const path& file, const DistortedCamera& camera) {
+  const Camera& pinhole = camera.pinhole;
+  if (pinhole.width <= 0 || pinhole.height <= 0)
+    fail_camera(file, fmt::format("{} x {} is no size of an image", pinhole.width, pinhole.height));
+  const auto check = [&](const char* name, double value, bool is_right, const std::string& need) {
+    if (!std::isfinite(value) || !is_right)
+      fail_camera(file, fmt::format("{} = {} {}", name, value, need));
+  };
+  const double width = pinhole.width, height = pinhole.height;
+  const auto is_focal = [&](double f) {
+    return f >= kShortestFocalLength * width && f <= kLongestFocalLength * width;
+  };
+  const auto is_near = [&](double c, double side) {
+    return c >= -kFarthestPrincipalPoint * side && c <= (1 + kFarthestPrincipalPoint) * side;
+  };
+  const std::string focal =
+      fmt::format("is no focal length in pixels of a {} px wide image", width);
+  check("fx", pinhole.fx, is_focal(pinhole.fx), focal);
+  check("fy", pinhole.fy, is_focal(std::abs(pinhole.fy)), focal);
+  const std::string centre = fmt::format("is far outside of an image of {} x {} px", width, height);
+  check("cx", pinhole.cx, is_near(pinhole.cx, width), centre);
+  check("cy", pinhole.cy, is_near(pinhole.cy, height), centre);
+  for (const double k : camera.distortion)
+    check("distortion coefficient", k, true, "is not finite");
 }
 
 std::optional<StatedDepthScale> stated_depth_scale(const path& file) {

@@ -26,6 +26,10 @@ namespace edvo {
 // impossible values.
 [[nodiscard]] DistortedCamera read_camera(const std::filesystem::path& file, cv::Size image_size);
 
+// Throws Error(kCalibration) beginning with the file, or whoever says so, if no camera of this kind
+// has these values: not finite, numbers in other units or in another order.
+void require_possible(const std::filesystem::path& file, const DistortedCamera& camera);
+
 struct StatedDepthScale {
   double units_per_metre = 0;
   std::string key;  // what the file calls it
