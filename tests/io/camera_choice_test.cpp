@@ -44,8 +44,9 @@ TEST(CameraPreset, IsKnownByTheNamesThatPeopleUse) {
 }
 
 TEST(CameraPreset, IsNotReadIntoOtherNames) {
-  for (const char* const name : {"", "desk", "fr4", "fr10_x", "bfr1", "particle", "bicycle",
-                                 "my_office", "living_room", "office0", "proof_kt1"})
+  for (const char* const name :
+       {"", "desk", "fr4", "fr10_x", "bfr1", "particle", "bicycle", "my_office", "living_room",
+        "office0", "proof_kt1", "vehicle_fr3nch", "fr1day"})
     EXPECT_EQ(preset_name(name), "") << name;
 }
 

@@ -312,10 +312,38 @@ TEST(Dataset, OneFolderMayHoldColourAndDepth) {
   EXPECT_THAT(dataset.warnings, testing::Contains(testing::HasSubstr("no ground truth: ")));
 }
 
-TEST(Dataset, ImagesNamedByTimeNeedLists) {
+TEST(Dataset, NamesOfImagesMayBeTheirStamps) {
+  struct Names {
+    const char *colour, *depth, *stamp;
+  };
+  for (const Names& names :
+       {Names{"1305031102.175304", "1305031102.160407", "1305031102.175304"},
+        Names{"1305031102175304123", "1305031102160407123", "1305031102.175304123"},
+        Names{"1305031102175304", "1305031102160407", "1305031102.175304"},
+        Names{"1305031102175", "1305031102160", "1305031102.175"}}) {
+    const TemporaryFolder folder;
+    write_colour(folder.path() / "RGB" / (std::string(names.colour) + ".png"), 1);
+    write_depth(folder.path() / "Depth" / (std::string(names.depth) + ".png"), 1000);
+    const Dataset dataset = open_dataset(folder.path());
+    ASSERT_EQ(dataset.frames.size(), 1U);
+    EXPECT_EQ(to_string(dataset.frames[0].stamp), names.stamp);
+    EXPECT_EQ(dataset.depth_scale.units_per_metre, 1000);
+    EXPECT_THAT(dataset.layout, HasSubstr("stamped images in RGB and Depth"));
+  }
+}
+
+TEST(Dataset, StampsInNamesThatAreTooFarApartAreAnError) {
   const TemporaryFolder folder;
-  write_colour(folder.path() / "rgb/1305031102.175304.png", 1);
-  write_depth(folder.path() / "depth/1305031102.160407.png", 1);
+  write_colour(folder.path() / "images/1305031102.175304.png", 1);
+  write_depth(folder.path() / "depth_images/1305031103.160407.png", 1);
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"no colour image has a depth image within"},
+                         [&] { (void)open_dataset(folder.path()); }));
+}
+
+TEST(Dataset, NamesThatDoNotMatchNeedLists) {
+  const TemporaryFolder folder;
+  write_colour(folder.path() / "images/a.png", 1);
+  write_depth(folder.path() / "depth_images/b.png", 1);
   EXPECT_TRUE(fails_with(ErrorCode::kInput, {"1 colour and 1 depth", "rgb.txt and depth.txt"},
                          [&] { (void)open_dataset(folder.path()); }));
 }

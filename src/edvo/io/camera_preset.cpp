@@ -21,15 +21,15 @@ struct KnownCamera {
 // published with it; with fy > 0 it would come out mirrored, and no rigid motion aligns the two.
 constexpr auto kKnownCameras = std::to_array<KnownCamera>({
     {"TUM freiburg1",
-     "freiburg1|(^|[^a-z0-9])fr1(?![0-9])",
+     "freiburg1|(^|[^a-z0-9])fr1(?![0-9a-z])",
      {.pinhole = {517.306408, 516.469215, 318.643040, 255.313989, kWidth, kHeight},
       .distortion = {0.262383, -0.953104, -0.005358, 0.002628, 1.163314}}},
     {"TUM freiburg2",
-     "freiburg2|(^|[^a-z0-9])fr2(?![0-9])",
+     "freiburg2|(^|[^a-z0-9])fr2(?![0-9a-z])",
      {.pinhole = {520.908620, 521.007327, 325.141442, 249.701764, kWidth, kHeight},
       .distortion = {0.231222, -0.784899, -0.003257, -0.000105, 0.917205}}},
     {"TUM freiburg3",
-     "freiburg3|(^|[^a-z0-9])fr3(?![0-9])",
+     "freiburg3|(^|[^a-z0-9])fr3(?![0-9a-z])",
      {.pinhole = {535.4, 539.2, 320.1, 247.6, kWidth, kHeight}}},
     {"Bonn RGB-D Dynamic",
      "rgbd_bonn",

@@ -17,8 +17,9 @@ namespace fs = std::filesystem;
 
 constexpr std::array kAssociationFiles = {"associations.txt", "associate.txt", "associated.txt",
                                           "association.txt", "assoc.txt"};
-constexpr std::array kColourFolders = {"rgb", "color", "colour", "image", "images"};
-constexpr std::array kDepthFolders = {"depth", "depths"};
+constexpr std::array kColourFolders = {"rgb",    "color",      "colour",       "image",
+                                       "images", "rgb_images", "color_images", "colour_images"};
+constexpr std::array kDepthFolders = {"depth", "depths", "depth_images"};
 
 bool is_file(const fs::path& file) {
   std::error_code ignored;
@@ -50,10 +51,20 @@ std::vector<fs::path> images_in(const fs::path& folder) {
   return images;
 }
 
+// As it is spelled, before one that differs by capital letters.
 std::optional<fs::path> first_folder(const fs::path& root, std::span<const char* const> names) {
   std::error_code ignored;
   for (const char* const name : names)
     if (fs::is_directory(root / name, ignored)) return root / name;
+  std::vector<fs::path> folders;
+  for (fs::directory_iterator entry(root, ignored), end; !ignored && entry != end;
+       entry.increment(ignored))
+    folders.push_back(entry->path());
+  std::ranges::sort(folders);
+  for (const char* const name : names)
+    for (const fs::path& folder : folders)
+      if (lower_case(folder.filename().string()) == name && fs::is_directory(folder, ignored))
+        return folder;
   return std::nullopt;
 }
 
@@ -82,9 +93,11 @@ std::optional<Listing> list_two_folders(const fs::path& root, const DatasetOptio
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: no PNG or JPEG images in it",
                             (colour.empty() ? *colour_folder : *depth_folder).string()));
-  Listing listing = pair_numbered_files(colour, depth, options);
-  listing.layout = fmt::format("numbered images in {} and {}", colour_folder->filename().string(),
-                               depth_folder->filename().string());
+  std::optional<Listing> stamped = pair_stamped_files(colour, depth, options);
+  Listing listing = stamped ? std::move(*stamped) : pair_numbered_files(colour, depth, options);
+  listing.layout =
+      fmt::format("{} images in {} and {}", stamped ? "stamped" : "numbered",
+                  colour_folder->filename().string(), depth_folder->filename().string());
   if (std::error_code ignored; fs::is_directory(root / "intrinsic", ignored)) {
     listing.layout = "ScanNet";
     listing.shrink_colour = true;
@@ -128,7 +141,8 @@ std::optional<Listing> list_frames(const fs::path& root, const DatasetOptions& o
 
 std::string describe_layouts() {
   return fmt::format(
-      "rgb.txt and depth.txt (TUM), an association file ({}), folders of numbered images ({} with "
+      "rgb.txt and depth.txt (TUM), an association file ({}), folders of numbered or stamped "
+      "images ({} with "
       "{}), or frame-000000.color.png with frame-000000.depth.png",
       fmt::join(kAssociationFiles, ", "), fmt::join(kColourFolders, ", "),
       fmt::join(kDepthFolders, ", "));

@@ -28,6 +28,11 @@ struct Listing {
                                      const DatasetOptions& options);
 [[nodiscard]] Listing read_association_file(const std::filesystem::path& file,
                                             const DatasetOptions& options);
+// By the time stamps that all names are, in ns, us or ms, or in seconds with a fraction; none where
+// they are not.
+[[nodiscard]] std::optional<Listing> pair_stamped_files(
+    const std::vector<std::filesystem::path>& colour,
+    const std::vector<std::filesystem::path>& depth, const DatasetOptions& options);
 [[nodiscard]] Listing pair_numbered_files(const std::vector<std::filesystem::path>& colour,
                                           const std::vector<std::filesystem::path>& depth,
                                           const DatasetOptions& options);

@@ -77,6 +77,12 @@ std::vector<Stamp> stamps_of(const std::vector<Record<path>>& images) {
   return stamps;
 }
 
+std::vector<double> in_seconds(const std::vector<Stamp>& stamps) {
+  std::vector<double> seconds;
+  for (const Stamp& stamp : stamps) seconds.push_back(script_seconds(stamp));
+  return seconds;
+}
+
 [[noreturn]] void fail_without_pairs(const path& root, const std::vector<Stamp>& colour,
                                      const std::vector<Stamp>& depth, double largest_gap) {
   throw Error(ErrorCode::kInput,
@@ -102,6 +108,52 @@ void note_frame_numbers(Listing& listing) {
         fmt::format("frames are {:g} s apart: if the stamps are frame numbers or milliseconds, "
                     "read \"s\" as such",
                     *middle));
+}
+
+// Adds the pairs of the records that are closest in time.
+void pair_by_time(Listing& listing, const std::vector<Record<path>>& colour,
+                  const std::vector<Record<path>>& depth, const path& root, double largest_gap) {
+  listing.colour_count = colour.size();
+  listing.depth_count = depth.size();
+  const std::vector<Stamp> colour_stamps = stamps_of(colour);
+  const std::vector<Stamp> depth_stamps = stamps_of(depth);
+  for (const auto [i, j] : associate(in_seconds(colour_stamps), in_seconds(depth_stamps),
+                                     largest_gap, kMostCandidatesPerStamp))
+    listing.frames.push_back({.stamp = colour[i].stamp,
+                              .depth_stamp = depth[j].stamp,
+                              .colour = colour[i].content,
+                              .depth = depth[j].content});
+  if (listing.frames.empty()) fail_without_pairs(root, colour_stamps, depth_stamps, largest_gap);
+  listing.notes.push_back(fmt::format("{} pairs within {} s of {} colour and {} depth images",
+                                      listing.frames.size(), largest_gap, colour.size(),
+                                      depth.size()));
+  note_frame_numbers(listing);
+}
+
+// Of an image's name without its ending: what a clock shows since the year 2001, as an integer in
+// ns, us or ms, or as seconds with a fraction. Shorter numbers count frames.
+std::optional<Stamp> stamp_in_name(const std::string& name) {
+  constexpr std::size_t kSeconds = 10;  // digits
+  const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+  if (name.empty() || name.front() == '0') return std::nullopt;
+  if (digits < name.size())
+    return digits == kSeconds && name[digits] == '.' ? parse_stamp(name) : std::nullopt;
+  for (const std::size_t decimals : {3U, 6U, 9U})
+    if (digits == kSeconds + decimals)
+      return parse_stamp(name.substr(0, kSeconds) + '.' + name.substr(kSeconds));
+  return std::nullopt;
+}
+
+// In their order; none if the name of any is no stamp.
+std::optional<std::vector<Record<path>>> stamped_by_name(const std::vector<path>& files) {
+  std::vector<Record<path>> records;
+  for (const path& file : files) {
+    const std::optional<Stamp> stamp = stamp_in_name(file.stem().string());
+    if (!stamp) return std::nullopt;
+    records.push_back({.stamp = *stamp, .line = 0, .content = file});
+  }
+  std::ranges::sort(records, {}, [](const Record<path>& record) { return record.stamp; });
+  return records;
 }
 
 enum class Kind { kColour, kDepth, kUnknown };
@@ -130,12 +182,6 @@ std::size_t depth_half(const path& file, const std::vector<ListLine>& lines) {
                           file.string()));
 }
 
-std::vector<double> in_seconds(const std::vector<Stamp>& stamps) {
-  std::vector<double> seconds;
-  for (const Stamp& stamp : stamps) seconds.push_back(script_seconds(stamp));
-  return seconds;
-}
-
 }  // namespace
 
 Listing read_tum_lists(const path& root, const DatasetOptions& options) {
@@ -143,23 +189,22 @@ Listing read_tum_lists(const path& root, const DatasetOptions& options) {
   listing.layout = "TUM lists";
   const auto colour = read_image_list(root / "rgb.txt", listing.warnings);
   const auto depth = read_image_list(root / "depth.txt", listing.warnings);
-  listing.colour_count = colour.size();
-  listing.depth_count = depth.size();
+  pair_by_time(listing, colour, depth, root, options.largest_gap);
+  return listing;
+}
 
-  const std::vector<Stamp> colour_stamps = stamps_of(colour);
-  const std::vector<Stamp> depth_stamps = stamps_of(depth);
-  for (const auto [i, j] : associate(in_seconds(colour_stamps), in_seconds(depth_stamps),
-                                     options.largest_gap, kMostCandidatesPerStamp))
-    listing.frames.push_back({.stamp = colour[i].stamp,
-                              .depth_stamp = depth[j].stamp,
-                              .colour = colour[i].content,
-                              .depth = depth[j].content});
-  if (listing.frames.empty())
-    fail_without_pairs(root, colour_stamps, depth_stamps, options.largest_gap);
-  listing.notes.push_back(fmt::format("{} pairs within {} s of {} colour and {} depth images",
-                                      listing.frames.size(), options.largest_gap, colour.size(),
-                                      depth.size()));
-  note_frame_numbers(listing);
+std::optional<Listing> pair_stamped_files(const std::vector<path>& colour,
+                                          const std::vector<path>& depth,
+                                          const DatasetOptions& options) {
+  constexpr double kMillimetres = 1000;  // [units/m]
+  const auto colour_records = stamped_by_name(colour), depth_records = stamped_by_name(depth);
+  if (!colour_records || !depth_records) return std::nullopt;
+  Listing listing;
+  listing.layout = "stamped images";
+  listing.usual_depth_scale = kMillimetres;
+  pair_by_time(listing, *colour_records, *depth_records, colour.front().parent_path().parent_path(),
+               options.largest_gap);
+  listing.notes.push_back("the names of the images are their time stamps");
   return listing;
 }
 
