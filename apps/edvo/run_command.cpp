@@ -2,6 +2,7 @@
 // edvo run SEQUENCE
 #include "commands.hpp"
 #include "edvo/source/masked_source.hpp"
+#include "python_package.hpp"
 #include "recorded_run.hpp"
 #include "sequence_input.hpp"
 #include "size_option.hpp"
@@ -25,6 +26,7 @@ struct Arguments {
 
 std::unique_ptr<RgbdSource> open_source(const SequenceChoice& sequence, const Arguments& arguments,
                                         const Extension& extension) {
+  if (!extension.open_source) refuse_what_package_reads(sequence.path);
   if (extension.open_source)
     if (auto source = extension.open_source(sequence, arguments.extra)) return source;
   return std::make_unique<FolderSource>(open_sequence(sequence, arguments.run.quiet));

@@ -2,8 +2,11 @@
 #include "usage.hpp"
 
 #include "edvo/core/did_you_mean.hpp"
+#include "python_package.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace edvo::app {
 namespace {
@@ -23,6 +26,11 @@ std::vector<std::string> options_of(const CLI::App& verb) {
   return names;
 }
 
+bool has_package(const CLI::App& program) {
+  const std::vector<std::string> verbs = verbs_of(program);
+  return std::ranges::find(verbs, "pull") != verbs.end();
+}
+
 }  // namespace
 
 std::string explain(const CLI::App& program, const CLI::ParseError& error,
@@ -35,6 +43,7 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
     if (first_word.starts_with('-'))
       return fmt::format("unknown option '{}'{} See edvo --help", first_word,
                          did_you_mean(first_word, options_of(program)));
+    if (const auto said = said_of_package(first_word)) return *said;
     return fmt::format("unknown verb '{}'{} (known: {})", first_word,
                        did_you_mean(first_word, verbs), fmt::join(verbs, ", "));
   }
@@ -54,6 +63,9 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error,
   for (const std::string& word : words) {
     if (!word.starts_with("--")) continue;
     const std::string option = word.substr(0, word.find('='));
+    const bool is_of_run = name == "run" || name == "demo";
+    if (const auto said = said_of_package(option); said && is_of_run && !has_package(program))
+      return *said;
     return fmt::format("unknown option '{}'{} See edvo {} --help", option,
                        did_you_mean(option, options_of(*verb)), name);
   }

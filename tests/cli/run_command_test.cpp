@@ -161,6 +161,28 @@ TEST_F(RunCommand, WritesThePointsOfItsKeyframes) {
   EXPECT_EQ(text_of(points), text);
 }
 
+TEST_F(RunCommand, SaysWhatThePythonPackageReads) {
+  const auto says = [](const std::string& command, const std::string& words) {
+    const auto result = run_edvo(command + " 2>&1");
+    EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kUsage)) << command;
+    EXPECT_THAT(result.output, HasSubstr(words));
+  };
+  folder_.write("a.bag", "#ROSBAG V2.0");
+  folder_.write("ros2/metadata.yaml", "rosbag2_bagfile_information:");
+  folder_.write("stray/rgb.mp4", "");
+  folder_.write("stray/camera_matrix.csv", "");
+  const auto place = [&](const char* name) { return (folder_.path() / name).string(); };
+  says("run " + place("a.bag"),
+       "a.bag: reading it needs the Python package: pip install 'edvo[ros]'");
+  says("run " + place("ros2"), "pip install 'edvo[ros]'");
+  says("run " + place("stray"), "pip install 'edvo[video]'");
+  says("run camera:oak", "needs the Python package");
+  says("pull tum/fr1/xyz", "edvo pull needs the Python package: pip install edvo");
+  says("view runs/x", "edvo view needs the Python package: pip install 'edvo[view]'");
+  says("run x --view", "--view needs the Python package: pip install 'edvo[view]'");
+  EXPECT_THAT(run_edvo("run " + place("none.bag") + " 2>&1").output, HasSubstr("no such"));
+}
+
 TEST_F(RunCommand, FailsWhereNothingCanBeTracked) {
   write_sliding_sequence(sequence());
   for (int i = 0; i < 12; ++i)
