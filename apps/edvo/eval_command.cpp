@@ -50,10 +50,22 @@ EvalOptions options_from(const Arguments& arguments) {
   return options;
 }
 
+// A run's folder stands for its trajectory.
+std::string trajectory_in(const std::string& place) {
+  std::error_code ignored;
+  const fs::path inside = fs::path(place) / "trajectory.tum";
+  return fs::is_regular_file(inside, ignored) ? inside.string() : place;
+}
+
 // File names without folder and ending where that tells them apart, else paths.
 std::vector<std::string> short_names(const std::vector<std::string>& files) {
   std::vector<std::string> names;
-  for (const std::string& file : files) names.push_back(fs::path(file).stem().string());
+  for (const std::string& file : files) {
+    fs::path path = fs::path(file).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();
+    const bool is_run = trajectory_in(file) != file;
+    names.push_back((is_run ? path.filename() : path.stem()).string());
+  }
   const std::set<std::string> distinct(names.begin(), names.end());
   return distinct.size() == names.size() ? names : files;
 }
@@ -64,8 +76,9 @@ Trajectory read_with_warnings(const std::string& file) {
   return std::move(read.trajectory);
 }
 
-NamedEvaluation evaluate_file(const Trajectory& truth, const std::string& file,
+NamedEvaluation evaluate_file(const Trajectory& truth, const std::string& place,
                               const std::string& name, const EvalOptions& options) {
+  const std::string file = trajectory_in(place);
   NamedEvaluation result{
       .name = name, .file = file, .estimate = read_with_warnings(file), .evaluation = {}};
   try {
@@ -100,7 +113,7 @@ std::string evo_line(const std::string& truth_file,
   const std::vector<std::string> commands =
       evo_commands(truth_file, evaluations.size() == 1 ? first.file : "EST", first.estimate,
                    first.evaluation.options);
-  return fmt::format("with evo: {}", fmt::join(commands, " && "));
+  return fmt::format("{}", fmt::join(commands, " && "));
 }
 
 void print_table(const std::string& truth_file, TableFormat format,
@@ -109,7 +122,7 @@ void print_table(const std::string& truth_file, TableFormat format,
   print("{}{}{}{}", format_note(describe_protocol(options), format),
         format_note("coverage = " + describe_coverage(options), format),
         format_table(evaluation_table(evaluations), format),
-        format_note(evo_line(truth_file, evaluations), format));
+        format_command("with evo: ", evo_line(truth_file, evaluations), format));
 }
 
 void evaluate_all(const Arguments& arguments) {
@@ -131,14 +144,15 @@ void evaluate_all(const Arguments& arguments) {
 
 void add_eval_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "eval", "Errors of trajectories (TUM format) against ground truth: ATE, RPE, drift");
+      "eval", "Errors of trajectories (TUM or EuRoC format) against ground truth: ATE, RPE, drift");
   const auto arguments = std::make_shared<Arguments>();
   std::vector<std::string> formats = names_of<TableFormat>();
   formats.emplace_back("json");
   EvalOptions& options = arguments->options;
 
   command->add_option("GT", arguments->truth, "ground truth trajectory")->required();
-  command->add_option("EST", arguments->estimates, "estimated trajectories")->required();
+  command->add_option("EST", arguments->estimates, "estimated trajectories, or folders of edvo run")
+      ->required();
   command->add_option("--align", arguments->alignment, "alignment before ATE")
       ->check(CLI::IsMember(names_of<AlignmentKind>()))
       ->capture_default_str();

@@ -74,6 +74,23 @@ TEST_F(EvalCommand, SpeaksOtherFormats) {
   EXPECT_THAT(run_edvo(command + "latex").output, HasSubstr("\\begin{tabular}"));
 }
 
+TEST_F(EvalCommand, PrintsTheCommandOfEvoAsItIsTyped) {
+  const std::string command = "eval " + truth + " " + same + " --format markdown";
+  EXPECT_THAT(run_edvo(command).output, HasSubstr("with evo: `evo_ape tum "));
+  EXPECT_THAT(run_edvo(command).output, HasSubstr(" && evo_rpe"));
+}
+
+TEST_F(EvalCommand, TakesTheFolderOfARun) {
+  const std::filesystem::path run = folder.path() / "a.run";
+  std::filesystem::create_directories(run);
+  std::filesystem::copy_file(same, run / "trajectory.tum");
+  const ProgramResult result = run_edvo("eval " + truth + " " + run.string() + "/ --json");
+  ASSERT_EQ(result.status, 0) << result.output;
+  const json estimate = json::parse(result.output)["estimates"][0];
+  EXPECT_EQ(estimate["name"], "a.run");
+  EXPECT_EQ(estimate["file"], (run / "trajectory.tum").string());
+}
+
 TEST_F(EvalCommand, HeedsItsOptions) {
   const std::string command = "eval " + truth + " " + large + " ";
   EXPECT_THAT(run_edvo(command + "--delta 10f").output, HasSubstr("[m per 10 frames]"));

@@ -79,6 +79,23 @@ TEST(TrajectoryFile, TakesTheOrderOfAQuaternionFromTheComment) {
   EXPECT_THAT(w_last.warnings, IsEmpty());
 }
 
+TEST(TrajectoryFile, PassesOverAHeaderThatIsNoComment) {
+  const SE3 expected{.rotation = Eigen::Quaterniond(0.8, 0, 0, 0.6)};
+  const TrajectoryFile seconds = parse("timestamp,tx,ty,tz,qw,qx,qy,qz\n1.5,0,0,0,0.8,0,0,0.6\n");
+  ASSERT_EQ(seconds.trajectory.size(), 1u);
+  EXPECT_THAT(seconds.trajectory[0].world_from_camera, NearPose(expected, 1e-12));
+  const TrajectoryFile nanoseconds =
+      parse("timestamp,tx,ty,tz,qx,qy,qz,qw\n1403636580838555648,0,0,0,0,0,0.6,0.8\n");
+  EXPECT_EQ(to_string(nanoseconds.trajectory.at(0).stamp), "1403636580.838555648");
+  EXPECT_THAT(nanoseconds.trajectory[0].world_from_camera, NearPose(expected, 1e-12));
+  EXPECT_THAT(nanoseconds.warnings, ElementsAre(HasSubstr("nanoseconds, qx first")));
+}
+
+TEST(TrajectoryFile, SaysOfNanosecondsHowTheyBecomeSeconds) {
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"a.txt:1:", "divide nanoseconds by 1e9"},
+                         [] { (void)parse("1403636580838555648 0 0 0 0 0 0 1\n"); }));
+}
+
 TEST(TrajectoryFile, NamesTheMatricesOfKitti) {
   EXPECT_TRUE(fails_with(ErrorCode::kInput, {"got 12", "KITTI", "stamps of times.txt"},
                          [] { (void)parse("1 0 0 0 0 1 0 0 0 0 1 0\n"); }));

@@ -75,5 +75,11 @@ TEST(Table, NotesAreCommentsWhereTheFormatHasThem) {
   EXPECT_EQ(format_note("x", TableFormat::kLatex), "% x\n");
 }
 
+TEST(Table, CommandsStayAsTheyAreTyped) {
+  EXPECT_EQ(format_command("by: ", "a && b < c", TableFormat::kMarkdown), "\nby: `a && b < c`\n\n");
+  EXPECT_EQ(format_command("by: ", "a `b`", TableFormat::kMarkdown), "\nby: a \\`b\\`\n\n");
+  EXPECT_EQ(format_command("by: ", "a && b", TableFormat::kText), "by: a && b\n");
+}
+
 }  // namespace
 }  // namespace edvo

@@ -91,45 +91,56 @@ double number(std::string_view text, const Place& place) {
 struct Layout {
   bool in_nanoseconds = false;  // the stamps, as integers; more fields may follow the pose
   bool w_first = false;         // qw qx qy qz
+  std::size_t header = 0;       // line that names the columns without being a comment, 0 = none
 };
 
-// Whether a comment that names the columns has qw before qx, also as q_RS_w [].
-bool names_w_first(std::string_view comment) {
+// Whether a line that names the columns has qw before qx, also as q_RS_w []; none if it does not
+// name them.
+std::optional<bool> named_w_first(std::string_view line) {
   const auto place_of = [&](std::initializer_list<std::string_view> names) {
     std::size_t place = std::string_view::npos;
-    for (const std::string_view name : names) place = std::min(place, comment.find(name));
+    for (const std::string_view name : names) place = std::min(place, line.find(name));
     return place;
   };
   const std::size_t x = place_of({"qx", "q_x", "q_RS_x"});
-  return x != std::string_view::npos && place_of({"qw", "q_w", "q_RS_w"}) < x;
+  const std::size_t w = place_of({"qw", "q_w", "q_RS_w"});
+  if (x == std::string_view::npos || w == std::string_view::npos) return std::nullopt;
+  return w < x;
+}
+
+bool is_in_nanoseconds(std::string_view stamp) {
+  constexpr std::size_t kFewestDigits = 16;  // seconds have at most 10
+  return stamp.size() >= kFewestDigits &&
+         stamp.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 // EuRoC's csv has nanoseconds, commas and qw first, with velocities and biases after the pose.
 bool is_euroc(std::string_view line, const Fields& fields) {
-  constexpr std::size_t kFewestDigits = 16;  // seconds have at most 10
-  const std::string_view stamp = fields.text[0];
   return fields.count >= kFields && line.find(',') != std::string_view::npos &&
-         stamp.size() >= kFewestDigits &&
-         stamp.find_first_not_of("0123456789") == std::string_view::npos;
+         is_in_nanoseconds(fields.text[0]);
 }
 
-// By the comments before the first pose, and that pose.
+// By the comments and the header before the first pose, and that pose.
 Layout layout_of(std::string_view text) {
   Layout layout;
-  while (!text.empty()) {
+  std::optional<bool> w_first;
+  for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const std::string_view line = text.substr(0, end);
-    const Fields fields = split(line);
-    if (fields.count > 0) {
-      if (fields.text[0].front() != '#') {
-        layout.in_nanoseconds = is_euroc(line, fields);
-        layout.w_first = layout.w_first || layout.in_nanoseconds;
-        return layout;
-      }
-      layout.w_first = layout.w_first || names_w_first(line);
-    }
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    const Fields fields = split(line);
+    if (fields.count == 0) continue;
+    const std::optional<bool> named = named_w_first(line);
+    if (named) w_first = named;
+    if (fields.text[0].front() == '#') continue;
+    if (named && layout.header == 0) {
+      layout.header = number;
+      continue;
+    }
+    layout.in_nanoseconds = is_euroc(line, fields);
+    break;
   }
+  layout.w_first = w_first.value_or(layout.in_nanoseconds);
   return layout;
 }
 
@@ -159,8 +170,9 @@ Stamp parse_stamp_field(std::string_view text, const Layout& layout, const Place
       layout.in_nanoseconds ? parse_nanoseconds(text) : parse_stamp(text);
   if (!stamp || std::abs(to_seconds(*stamp)) > kLatest)
     fail(place,
-         fmt::format("expected a stamp in {} up to {:g} s, got {}",
-                     layout.in_nanoseconds ? "nanoseconds" : "seconds", kLatest, quoted(text)));
+         fmt::format("expected a stamp in {} up to {:g} s, got {}{}",
+                     layout.in_nanoseconds ? "nanoseconds" : "seconds", kLatest, quoted(text),
+                     is_in_nanoseconds(text) ? "; divide nanoseconds by 1e9" : ""));
   return *stamp;
 }
 
@@ -195,7 +207,7 @@ std::vector<Line> parse_lines(std::string_view text, const Layout& layout,
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const Fields fields = split(text.substr(0, end));
-    if (fields.count > 0 && fields.text[0].front() != '#')
+    if (fields.count > 0 && fields.text[0].front() != '#' && number != layout.header)
       lines.push_back(parse_pose(fields, layout, {source, number}));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
@@ -236,9 +248,11 @@ TrajectoryFile parse_trajectory(std::string_view text, const std::string& source
     }
   }
   if (layout.in_nanoseconds)
-    file.warnings.push_back(fmt::format("{}: read as EuRoC's csv: nanoseconds, qw first", source));
+    file.warnings.push_back(fmt::format("{}: read as EuRoC's csv: nanoseconds, {} first", source,
+                                        layout.w_first ? "qw" : "qx"));
   else if (layout.w_first)
-    file.warnings.push_back(fmt::format("{}: read with qw first, as its comment says", source));
+    file.warnings.push_back(
+        fmt::format("{}: read with qw first, as it says of its columns", source));
   warn(file.warnings, source, unordered, "stamp before the previous one; poses were sorted");
   warn(file.warnings, source, repeated, "stamp seen before; its last pose was kept");
   warn(file.warnings, source, not_unit, "quaternion not of unit length; it was normalized");

@@ -19,8 +19,8 @@ struct TrajectoryFile {
 // Fields are separated by white space or commas; "#" starts a comment line; CRLF is fine. Poses out
 // of order are sorted; of poses with the same stamp the last one stays, as in the TUM scripts.
 // Also read, with a warning that says so: EuRoC's csv (integer nanoseconds, commas, qw qx qy qz,
-// more fields), and files whose comment names qw before qx. Throws Error(kInput) "source:line: ..."
-// at a line that is no pose, and if the file has no pose.
+// more fields), and files whose comment or first line names qw before qx. Throws Error(kInput)
+// "source:line: ..." at a line that is no pose, and if the file has no pose.
 [[nodiscard]] TrajectoryFile parse_trajectory(std::string_view text, const std::string& source);
 
 [[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);

@@ -178,4 +178,11 @@ std::string format_note(const std::string& note, TableFormat format) {
   return {};
 }
 
+std::string format_command(const std::string& intro, const std::string& command,
+                           TableFormat format) {
+  const bool is_code = format == TableFormat::kMarkdown && command.find('`') == std::string::npos;
+  if (!is_code) return format_note(intro + command, format);
+  return '\n' + markdown_cell(intro) + '`' + on_one_line(command) + "`\n\n";
+}
+
 }  // namespace edvo

@@ -34,4 +34,8 @@ struct Table {
 // own.
 [[nodiscard]] std::string format_note(const std::string& line, TableFormat format);
 
+// The same of a command for the shell, which stays as it is to be typed.
+[[nodiscard]] std::string format_command(const std::string& intro, const std::string& command,
+                                         TableFormat format);
+
 }  // namespace edvo
