@@ -110,7 +110,9 @@ void write_sequence(const Arguments& arguments) {
   sequence.threads = 1;  // frames are made side by side instead
   const Trajectory truth = synth::ground_truth(sequence);
   prepare_folder(folder, arguments.force);
-  write_whole(folder / "camera.toml", camera_to_toml(sequence.camera));
+  write_whole(folder / "camera.toml",
+              camera_to_toml(sequence.camera) +
+                  fmt::format("depth_scale = {}  # units per metre\n", kDepthUnitsPerMetre));
   write_trajectory(folder / "groundtruth.txt", truth);
   write_frames(sequence, arguments.threads, folder);
 

@@ -39,6 +39,8 @@ TEST(SynthCommand, WritesASequenceThatTheReaderGivesBack) {
   EXPECT_EQ(chosen.camera.pinhole.width, 160);
   EXPECT_DOUBLE_EQ(chosen.camera.pinhole.fx, 525.0 / 4);
   ASSERT_EQ(dataset.frames.size(), 5U);
+  EXPECT_EQ(dataset.depth_scale.units_per_metre, 5000);
+  EXPECT_FALSE(dataset.depth_scale.is_assumed);
   const synth::SyntheticSequence sequence = synth::make_sequence(
       {.scene = synth::SceneName::kBoxes, .frames = 5, .sensor = {}}, chosen.camera);
   for (const int index : {0, 4}) {
