@@ -39,6 +39,18 @@ std::string read_text(const std::string& file) {
   }
 }
 
+// A value that is no TOML is said to be that of the option.
+void set_flag(Config& config, const std::string& assignment) {
+  try {
+    set_option(config, assignment);
+  } catch (const Error& error) {
+    if (std::string_view(error.what()).find("not valid TOML") == std::string_view::npos) throw;
+    throw Error(error.code(), fmt::format("--set {}: the value is neither a number nor true or "
+                                          "false; edvo config shows what the option takes",
+                                          assignment));
+  }
+}
+
 }  // namespace
 
 void add_config_flags(CLI::App& verb, ConfigFlags& flags) {
@@ -64,7 +76,7 @@ Config resolve_config(const ConfigFlags& flags) {
   Config config = preset(chosen_method(flags));
   if (!flags.file.empty()) config = config_from_toml(read_text(flags.file), flags.file, config);
   if (!flags.model.empty()) config.network.model = flags.model;
-  for (const std::string& assignment : flags.set) set_option(config, assignment);
+  for (const std::string& assignment : flags.set) set_flag(config, assignment);
   if (!flags.model.empty() && config.edge.detector != Detector::kNetwork)
     throw Error(ErrorCode::kUsage,
                 fmt::format("--model {}: method {} uses no network; choose --method cnn+corner or "

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "edvo/core/error.hpp"
 #include "edvo/odometry/config.hpp"
 #include "support/program.hpp"
 
@@ -70,6 +71,13 @@ TEST(CommandLine, HelpSucceedsAndNoVerbDoesNot) {
   EXPECT_EQ(run_edvo("--help").status, 0);
   EXPECT_EQ(run_edvo("config --help").status, 0);
   EXPECT_EQ(run_edvo("2>&1").status, static_cast<int>(ErrorCode::kUsage));
+}
+
+TEST(ConfigCommand, SaysOfAValueThatItIsNoNumber) {
+  const auto result = run_edvo("config --set selection.max_depth=abc 2>&1");
+  EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kConfig));
+  EXPECT_THAT(result.output,
+              HasSubstr("--set selection.max_depth=abc: the value is neither a number"));
 }
 
 }  // namespace
