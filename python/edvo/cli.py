@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 from collections.abc import Callable
@@ -143,13 +144,19 @@ def verb(function: Callable[[list[str]], int]) -> Callable[[list[str]], int]:
     def call(words: list[str]) -> int:
         before = signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
-            return function(words)
+            status = function(words)
+            sys.stdout.flush()
+            return status
         except SystemExit as leave:
+            sys.stdout.flush()
             return leave.code if isinstance(leave.code, int) else 0
         except KeyboardInterrupt:
             return 130
+        except BrokenPipeError as error:
+            # What is left to print goes nowhere, or the interpreter would complain at its end.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise Error(f"standard output: cannot write: {error.strerror}", 7) from None
         finally:
-            sys.stdout.flush()
             signal.signal(signal.SIGINT, before)
 
     return call
@@ -260,8 +267,7 @@ def export(words: list[str]) -> int:
     arguments = parser.parse_args(words)
     chosen = arguments.format or format_of(arguments.file)
     require_new("export", arguments.file, arguments.force)
-    source = Path(arguments.source)
-    trajectory = Trajectory.read(source / "trajectory.tum" if source.is_dir() else source)
+    trajectory = Trajectory.read(arguments.source)
     trajectory.write(arguments.file, format=chosen)
     return 0
 

@@ -139,8 +139,10 @@ class Trajectory:
 
     @staticmethod
     def read(file: str | Path) -> Trajectory:
-        """A text file, one "stamp tx ty tz qx qy qz qw" a line (TUM)."""
-        arrays, _ = _core.read_trajectory(Path(file))
+        """A text file, one "stamp [s] tx ty tz [m] qx qy qz qw" a line (TUM), EuRoC's csv, or a run's
+        folder, whose trajectory.tum it is. Raises ``edvo.Error`` (code 3) naming the line."""
+        place = Path(file)
+        arrays, _ = _core.read_trajectory(place / "trajectory.tum" if place.is_dir() else place)
         return Trajectory._from_arrays(arrays)
 
     def write(self, file: str | Path, format: str | None = None) -> None:

@@ -132,6 +132,13 @@ def test_the_man_page_has_every_option_of_the_help() -> None:
         assert (result.returncode, result.stderr) == (0, "")
 
 
+def test_a_reader_that_leaves_is_said_in_one_line() -> None:
+    shell = f"{sys.executable} -m edvo pull --list | true; exit ${{PIPESTATUS[0]}}"
+    result = subprocess.run(["bash", "-c", shell], capture_output=True, text=True)
+    assert result.returncode == 7
+    assert result.stderr == "edvo: standard output: cannot write: Broken pipe\n"
+
+
 def test_help_and_version_are_words_too() -> None:
     assert edvo_command("--version").stdout == f"edvo {edvo.__version__}\n"
     assert edvo_command("help").stdout == edvo_command("--help").stdout
