@@ -80,8 +80,20 @@ class Run:
         self.keyframes.write(place / "keyframes.tum")
 
 
+TRACKED_NOTHING = 9  # code of an error
+
+
+def error_from(fields: dict[str, Any]) -> Error | None:
+    """Of a run; if every frame was unusable, with the reason of the first."""
+    if fields["error"] is None:
+        return None
+    message, code = fields["error"]
+    if code == TRACKED_NOTHING and fields["skipped"]:
+        message += f"; {fields['skipped'][0]}"
+    return Error(message, code)
+
+
 def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
-    error = fields["error"]
     segments = fields.get("map_segments")  # not known to observers
     return Run(
         source=source_info(fields["source"]),
@@ -94,7 +106,7 @@ def run_from(fields: dict[str, Any], findings: tuple[Finding, ...] = ()) -> Run:
         wall_seconds=fields["wall_seconds"],
         finish_seconds=fields["finish_seconds"],
         interrupted=fields["interrupted"],
-        error=None if error is None else Error(*error),
+        error=error_from(fields),
         links=[Link(**link) for link in fields["links"]],
         findings=findings,
         map_segments=None if segments is None else tuple(segments),

@@ -84,6 +84,12 @@ def test_a_run_that_tracks_nothing_is_an_error(camera: edvo.Camera, frames: Fram
         assert caught.value.run is not None and len(caught.value.run.frames) == len(given)
 
 
+def test_a_run_of_unusable_frames_says_why(camera: edvo.Camera, frames: Frames) -> None:
+    grey = [edvo.Frame(f.stamp_ns, f.rgb / 255.0, f.depth) for f in frames[:3]]  # type: ignore[arg-type]
+    with pytest.raises(edvo.Error, match="3 skipped.*; frame 0: rgb: dtype uint8 is expected"):
+        edvo.run(Memory(camera, grey))
+
+
 def test_a_run_and_a_trajectory_are_short_to_print(sequence: Path) -> None:
     run = edvo.run(sequence, max_frames=5, doctor=False)
     assert repr(run) == "Run('office': 5 tracked)"
