@@ -59,7 +59,7 @@ def diagnose(
         )
     if motion_too:
         paths = motion.track(opened, sample)
-        findings += [motion.mirrored(paths), motion.scale(paths, sample)]
+        findings += [motion.mirrored(paths, sample), motion.scale(paths, sample)]
     return sorted(findings, key=lambda finding: -finding.gravity)
 
 

@@ -194,7 +194,8 @@ def ground_truth_clock(sample: Sample) -> Finding:
     first, last = int(sample.stamps_ns[0]), int(sample.stamps_ns[-1])
     begin, end = int(truth.stamps_ns[0]), int(truth.stamps_ns[-1])
     overlap = (min(last, end) - max(first, begin)) / max(1, last - first)
-    measured = f"ground truth covers {100 * max(overlap, 0):.0f} % of the frames' time"
+    name = "the reference" if sample.is_reference_only else "ground truth"
+    measured = f"{name} covers {100 * max(overlap, 0):.0f} % of the frames' time"
     if overlap > 0.3:
         return ok("ground_truth_clock", measured)
     ratio = (begin + end) / max(1, first + last)

@@ -95,9 +95,11 @@ def handedness(paths: Paths) -> float | None:
     return float((steps * turned).sum() / norm) if norm > 0 else None
 
 
-def mirrored(paths: Paths | str) -> Finding:
+def mirrored(paths: Paths | str, sample: Sample) -> Finding:
     if isinstance(paths, str):
         return unknown("mirrored", f"residuals alone cannot tell; {paths}")
+    if sample.is_reference_only:
+        return unknown("mirrored", "residuals alone cannot tell; the reference is no ground truth")
     a, b = paths.truth[:, :3, 3], paths.estimate[:, :3, 3]
     spread = np.sqrt(np.linalg.svd(a - a.mean(axis=0), compute_uv=False) ** 2 / len(a))
     plain, turned = residual(a, b, False), residual(a, b, True)
@@ -124,6 +126,8 @@ def scale(paths: Paths | str, sample: Sample) -> Finding:
     if isinstance(paths, str):
         return unknown("scale", paths)
     measured = f"the motion times {paths.scale:.3f} fits the ground truth best"
+    if sample.is_reference_only:
+        return unknown("scale", f"{measured.replace('ground truth', 'reference')}, which is no ground truth")
     is_off = abs(np.log(max(paths.scale, 1e-6))) > np.log(1 + SCALE_TOLERANCE)
     if is_off and paths.scaled_error < 0.7 * paths.error:
         units = sample.units_per_metre

@@ -43,6 +43,7 @@ class Sample:
     groups: list[list[Frame]]  # consecutive frames each
     stamps_ns: NDArray[np.int64]  # of all frames, or of those read
     ground_truth: Trajectory | None
+    is_reference_only: bool = False  # that is another estimate
     depth_files: list[Path] = field(default_factory=list)
     unreadable: list[str] = field(default_factory=list)
     missing: int = 0  # frames of the list whose images are not there
@@ -65,7 +66,9 @@ def starts(count: int, size: Size) -> list[int]:
 
 def take(source: Source, size: Size = THOROUGH) -> Sample:
     unreadable: list[str] = []
-    sample = Sample(source.camera, [], np.zeros(0, np.int64), source.ground_truth)
+    sample = Sample(
+        source.camera, [], np.zeros(0, np.int64), source.ground_truth, source.is_reference_only
+    )
     if isinstance(source, (FolderSource, ListedSource)):
         for start in starts(len(source), size):
             group: list[Frame] = []

@@ -17,19 +17,13 @@ from edvo.registration import DepthRegistration
 from edvo.sources import messages
 from edvo.sources.bag_reader import open_bag
 from edvo.sources.base import Frame, Source
+from edvo.sources.references import find_reference
 from edvo.sources.transforms import TransformTree
-from edvo.trajectory import Trajectory
 
 LARGEST_GAP_NS = 20_000_000  # between a colour image and its depth
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
 TF = "tf2_msgs/msg/TFMessage"
-POSES = (
-    "nav_msgs/msg/Odometry",
-    "geometry_msgs/msg/PoseStamped",
-    "geometry_msgs/msg/TransformStamped",
-)
-TRUTH_WORDS = ("truth", "gt", "vicon", "mocap", "optitrack", "vrpn", "pose", "odom")
 
 
 class BagSource(Source):
@@ -65,7 +59,7 @@ class BagSource(Source):
             self._tree = read_tree(reader)
             self._choose_units(reader, first[self._depth])
             self._choose_cameras(reader, camera, first)
-            self.ground_truth = self._find_truth(reader, first[self._colour].header.frame_id)
+            self._find_truth(reader, first[self._colour].header.frame_id)
             topic = reader.topics[self._colour]
             self.frames = topic.msgcount
         self.origin = f"{path} ({self._colour}, {self._depth})"
@@ -169,25 +163,13 @@ class BagSource(Source):
             first[self._colour].header.frame_id, first[self._depth].header.frame_id
         )
 
-    def _find_truth(self, reader: Any, camera_frame: str) -> Trajectory | None:
-        trajectory = self._tree.trajectory_of(camera_frame)
-        if trajectory is not None:
-            self.notes.append(
-                f"ground truth: TF from {self._tree.root_of(camera_frame)} to {camera_frame}"
-            )
-            return trajectory
-        candidates = [
-            name
-            for name, topic in reader.topics.items()
-            if topic.msgtype in POSES and any(w in name.lower() for w in TRUTH_WORDS)
-        ]
-        candidates.sort(key=lambda n: next(i for i, w in enumerate(TRUTH_WORDS) if w in n.lower()))
-        for name in candidates:
-            trajectory = read_poses(reader, name)
-            if trajectory is not None and len(trajectory) > 2:
-                self.notes.append(f"ground truth: {name}, taken as the pose of the camera")
-                return trajectory
-        return None
+    def _find_truth(self, reader: Any, camera_frame: str) -> None:
+        found = find_reference(reader, self._tree, camera_frame)
+        if found is None:
+            return
+        self.ground_truth, self.ground_truth_origin = found.trajectory, found.origin
+        self.is_reference_only = bool(found.flaw)
+        self.notes += [note for note in (found.origin, found.note) if note]
 
     def __iter__(self) -> Iterator[Frame]:
         with open_bag(self._path) as reader:
@@ -308,22 +290,3 @@ def read_tree(reader: Any) -> TransformTree:
             pose = messages.pose_from(link.transform.translation, link.transform.rotation)
             tree.add(link.header.frame_id, link.child_frame_id, messages.stamp_ns(link), pose)
     return tree
-
-
-def read_poses(reader: Any, topic: str) -> Trajectory | None:
-    stamps: list[int] = []
-    poses: list[NDArray[np.float64]] = []
-    connections = [c for c in reader.connections if c.topic == topic]
-    for connection, _, raw in reader.messages(connections=connections):
-        message = reader.deserialize(raw, connection.msgtype)
-        if hasattr(message, "transform"):
-            pose = messages.pose_from(message.transform.translation, message.transform.rotation)
-        else:
-            inner = message.pose.pose if hasattr(message.pose, "pose") else message.pose
-            pose = messages.pose_from(inner.position, inner.orientation)
-        if not stamps or messages.stamp_ns(message) > stamps[-1]:
-            stamps.append(messages.stamp_ns(message))
-            poses.append(pose)
-    if not stamps:
-        return None
-    return Trajectory.from_poses(np.array(stamps, np.int64), np.array(poses))

@@ -44,6 +44,7 @@ class Source(ABC):
     is_live: bool = False  # a sensor that does not wait: who is late gets the newest frame
     ground_truth: Trajectory | None = None
     ground_truth_origin: str = "ground truth"
+    is_reference_only: bool = False  # ground_truth is another estimate: compared with, not believed
     notes: list[str]  # what was found and chosen, and why
     warnings: list[str]  # what looks wrong but stops nothing
 

@@ -148,7 +148,7 @@ def open_record3d(path: Path) -> ListedSource:
         times = np.array([stamps_ns[k] for k in known])
         matrices = Trajectory(times, np.hstack([posed[:, 4:], posed[:, :4]])).poses @ ARKIT
         source.ground_truth = Trajectory.from_poses(times, matrices)
-        source.notes.append("ground truth: ARKit's poses in its metadata (no reference of a lab)")
+        refer(source, "ARKit's poses in its metadata")
     return source
 
 
@@ -163,6 +163,12 @@ def describe(
         f"depth of {depth[1]} x {depth[0]} px is brought to colour of "
         f"{camera.width} x {camera.height} px"
     )
+
+
+def refer(source: Source, where: str) -> None:
+    source.is_reference_only = True
+    source.ground_truth_origin = f"reference: {where} (odometry, not ground truth)"
+    source.notes.append(source.ground_truth_origin)
 
 
 def is_stray(path: Path) -> bool:
@@ -215,7 +221,7 @@ class StraySource(Source):
         table = np.array([[float(row[c]) for c in columns] for row in rows[1:] if row])
         stamps = np.round(1e9 * table[:, 0]).astype(np.int64)
         self.ground_truth = Trajectory(stamps, table[:, 1:])
-        self.notes.append("ground truth: odometry.csv of the phone (no reference of a lab)")
+        refer(self, "odometry.csv of the phone")
         return [int(stamp) for stamp in stamps]
 
     def __iter__(self) -> Iterator[Frame]:
