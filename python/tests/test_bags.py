@@ -320,6 +320,85 @@ def rvl(depth: Any) -> bytes:
     return np.array(words, "<u4").tobytes()
 
 
+def damaged_bag(folder: Path, camera: edvo.Camera, frames: list[edvo.Frame], where: int) -> Path:
+    """JPEG and PNG, of which one each is cut off, and one message that is no message."""
+    recorder = Recorder("mcap", folder)
+    recorder.info("/camera/color/camera_info", START, camera, "c")
+    for i, frame in enumerate(frames):
+        stamp = START + i * PERIOD
+        jpeg = cv2.imencode(".jpg", frame.rgb[:, :, ::-1])[1].tobytes()
+        png = bytes(12) + cv2.imencode(".png", millimetres(frame))[1].tobytes()
+        jpeg = {where: jpeg[: len(jpeg) // 3], where + 1: b""}.get(i, jpeg)
+        png = png[: len(png) // 3] if i == where + 2 else png
+        topic = "/camera/color/image/compressed"
+        recorder.compressed(topic, stamp, jpeg, "rgb8; jpeg compressed bgr8", "c")
+        topic = "/camera/depth/image/compressedDepth"
+        recorder.compressed(topic, stamp, png, "16UC1; compressedDepth png", "c")
+        if i == where + 3:
+            broken = stamp + PERIOD // 2
+            recorder.compressed(topic, broken, png, "16UC1; compressedDepth png", "c")
+            connection = recorder.connections["/camera/color/image/compressed"]
+            header = struct.pack("<BBHII", 0, 1, 0, *divmod(broken, 10**9))
+            recorder.writer.write(connection, broken, header + b"\xff" * 40)
+    return recorder.close()
+
+
+@pytest.mark.parametrize("where", [0, 3])
+def test_damaged_images_are_skipped_and_counted(
+    where: int, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = damaged_bag(tmp_path, camera, frames[:10], where)
+    run = edvo.run(path, doctor=False)
+    assert run.tracked == 7 and len(run.skipped) == 4
+    assert all("/camera/" in reason and "OpenCV" not in reason for reason in run.skipped)
+    (finding,) = [f for f in edvo.diagnose(path) if f.fault == "unreadable"]
+    assert finding.measured.startswith("4 images cannot be read")
+
+
+def clock_bag(
+    folder: Path, camera: edvo.Camera, frames: list[edvo.Frame], late: int, has_stamps: bool = True
+) -> Path:
+    """Depth ``late`` [ns], every other one missing."""
+    recorder = Recorder("mcap", folder)
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    write = recorder.write
+    for i, frame in enumerate(frames):
+        stamp = START + i * PERIOD
+        for topic, time, pixels, encoding in (
+            ("/c/color/image", stamp, frame.rgb, "rgb8"),
+            ("/c/depth/image", stamp + late, millimetres(frame), "16UC1"),
+        ):
+            recorder.write = lambda topic, m, _, time=time: write(topic, m, time)  # type: ignore
+            if encoding == "rgb8" or i % 2 == 0:
+                recorder.image(topic, time if has_stamps else 0, pixels, encoding, "c")
+    return recorder.close()
+
+
+def test_pairs_are_counted_as_in_folders(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    source = edvo.open_source(clock_bag(tmp_path, camera, frames[:6], 4_000_000))
+    assert source.frames == 3 == len(list(source))
+    text = "3 pairs of 6 colour and 3 depth images, depth +4 ms from colour"
+    assert any(text in note for note in source.notes)
+
+
+def test_clocks_without_a_pair_are_named(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = clock_bag(tmp_path, camera, frames[:6], 100 * 10**9)
+    with pytest.raises(edvo.Error, match=r"from 1600000000\.123 to .* \+100\.000 s from colour"):
+        edvo.open_source(path)
+
+
+def test_headers_without_time_take_that_of_the_recording(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    source = edvo.open_source(clock_bag(tmp_path, camera, frames[:6], 0, has_stamps=False))
+    assert [f.stamp_ns for f in source] == [START + i * PERIOD for i in (0, 2, 4)]
+    assert any("headers have no time" in note for note in source.notes)
+
+
 @pytest.mark.parametrize("name", ["scene", "empty", "full", "noise"])
 def test_depth_as_rvl_comes_back(name: str, frames: list[edvo.Frame]) -> None:
     from edvo.sources.rvl import decode_rvl

@@ -229,6 +229,18 @@ def test_smaller_depth_of_a_camera_of_its_own_keeps_stamps(tmp_path: Path) -> No
     assert np.nanmax(np.abs(frame.depth[1:-1, 1:-1] - 2)) < 1e-5
 
 
+def test_a_damaged_image_costs_its_own_frame_only_with_a_depth_camera_too(tmp_path: Path) -> None:
+    for i in range(3):
+        write(tmp_path / f"rgb/{i}.png", colour_image(10))
+        write(tmp_path / f"depth/{i}.png", np.full((HEIGHT, WIDTH), 2000, np.uint16))
+    file = tmp_path / "depth/1.png"
+    file.write_bytes(file.read_bytes()[:60])
+    camera = edvo.Camera(60, 60, 31.5, 23.5, WIDTH, HEIGHT)
+    source = edvo.open_source(tmp_path, camera=camera, depth_scale=1000, depth_camera=camera)
+    with pytest.raises(edvo.Error, match="of 3 frames .* 1 skipped"):
+        edvo.run(source)
+
+
 def record3d(folder: Path) -> Path:
     lzfse = pytest.importorskip("liblzfse")
     k = [60, 0, 0, 0, 60, 0, 31.5, 23.5, 1]

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from edvo.doctor.finding import Finding, ok, unknown
-from edvo.doctor.sample import Sample
+from edvo.doctor.sample import Sample, readable
 from edvo.errors import Error
 from edvo.evaluation import evaluate
 from edvo.odometry import Odometry
@@ -40,9 +41,7 @@ def track(source: Source, sample: Sample) -> Paths | str:
         return "needs ground truth"
     odometry = Odometry(source.camera)
     try:
-        for i, frame in enumerate(source):
-            if i >= FRAMES:
-                break
+        for frame in readable(islice(source._pending(), FRAMES), []):
             odometry.process_ns(frame.stamp_ns, frame.decimals, frame.rgb, frame.depth)
         estimate = odometry.trajectory()
         plain = evaluate(truth, estimate)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
-from edvo.sources.base import Frame, Source
+from edvo.sources.base import Arrays, Frame, Source
 from edvo.sources.folder import FolderSource
 from edvo.sources.listed import ListedSource
 from edvo.trajectory import Trajectory
 
 Gray = NDArray[np.float32]
-
 
 
 @dataclass(frozen=True)
@@ -64,6 +63,17 @@ def starts(count: int, size: Size) -> list[int]:
     return [round(i * (count - size.length) / (size.groups - 1)) for i in range(size.groups)]
 
 
+def readable(
+    pending: Iterable[tuple[int, int, Callable[[], Arrays]]], unreadable: list[str]
+) -> Iterator[Frame]:
+    """What can be read of ``Source._pending()``; of the rest the reasons are appended."""
+    for stamp_ns, decimals, load in pending:
+        try:
+            yield Frame(stamp_ns, *load(), decimals)
+        except (Error, TypeError, ValueError) as error:
+            unreadable.append(str(error))
+
+
 def take(source: Source, size: Size = THOROUGH) -> Sample:
     unreadable: list[str] = []
     sample = Sample(
@@ -79,11 +89,12 @@ def take(source: Source, size: Size = THOROUGH) -> Sample:
                     unreadable.append(str(error))
             sample.groups.append(group)
     else:
-        frames = list(islice(iter(source), size.streamed))
+        pending = list(islice(source._pending(), size.streamed))
+        frames = list(readable(pending, unreadable))
         sample.groups = [
             frames[i : i + size.length] for i in range(0, len(frames), size.length)
         ]
-        sample.stamps_ns = np.array([frame.stamp_ns for frame in frames], np.int64)
+        sample.stamps_ns = np.array([stamp for stamp, _, _ in pending], np.int64)
     if isinstance(source, FolderSource):
         stamps = [source.stamps_ns(i) for i in range(len(source))]
         sample.stamps_ns = np.array([colour for colour, _ in stamps], np.int64)

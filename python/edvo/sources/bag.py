@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +18,12 @@ from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources import messages
 from edvo.sources.bag_reader import open_bag
-from edvo.sources.base import Frame, Source
+from edvo.sources.base import Arrays, Frame, Source
+from edvo.sources.pairing import Message, Topics, count_pairs, messages_of, pair, reads
 from edvo.sources.references import find_reference
 from edvo.sources.transforms import TransformTree
 
-LARGEST_GAP_NS = 20_000_000  # between a colour image and its depth
+MOST_DAMAGED = 30  # messages at the start of a topic that may be damaged
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO = "sensor_msgs/msg/CameraInfo"
 TF = "tf2_msgs/msg/TFMessage"
@@ -60,10 +63,10 @@ class BagSource(Source):
             self._choose_units(reader, first[self._depth])
             self._choose_cameras(reader, camera, first)
             self._find_truth(reader, first[self._colour].header.frame_id)
-            topic = reader.topics[self._colour]
-            self.frames = topic.msgcount
+            pairing = count_pairs(reader, Topics(self._colour, self._depth), self._path)
+            self._topics, self.frames = pairing.topics, pairing.count
         self.origin = f"{path} ({self._colour}, {self._depth})"
-        self.notes.insert(0, f"colour from {self._colour}, depth from {self._depth}")
+        self.notes[:0] = [f"colour from {self._colour}, depth from {self._depth}", pairing.note]
 
     def _choose_units(self, reader: Any, message: Any) -> None:
         if self._units is not None:
@@ -86,8 +89,10 @@ class BagSource(Source):
     def _choose_cameras(
         self, reader: Any, camera: Camera | str | Path | None, first: dict[str, Any]
     ) -> None:
-        colour = messages.decode_colour(first[self._colour])
-        depth = messages.decode_depth(first[self._depth], self._units)
+        colour = first_decoded(reader, self._colour, messages.decode_colour)
+        depth = first_decoded(
+            reader, self._depth, lambda message: messages.decode_depth(message, self._units)
+        )
         info = nearest_info(reader, self._colour)
         size = (colour.shape[1], colour.shape[0])
         if camera is not None:
@@ -171,52 +176,54 @@ class BagSource(Source):
         self.is_reference_only = bool(found.flaw)
         self.notes += [note for note in (found.origin, found.note) if note]
 
-    def __iter__(self) -> Iterator[Frame]:
+    def _pairs(self) -> Iterator[tuple[Message, Message]]:
         with open_bag(self._path) as reader:
-            yield from self._pair(reader)
+            yield from pair(messages_of(reader, self._topics))
 
-    def _pair(self, reader: Any) -> Iterator[Frame]:
-        """Each colour image with the depth nearest in time, each depth once."""
-        colours: deque[Any] = deque()
-        depths: deque[Any] = deque()
-        connections = [c for c in reader.connections if c.topic in (self._colour, self._depth)]
-        for connection, _, raw in reader.messages(connections=connections):
-            message = reader.deserialize(raw, connection.msgtype)
-            (colours if connection.topic == self._colour else depths).append(message)
-            while colours and depths:
-                if messages.stamp_ns(depths[-1]) < messages.stamp_ns(colours[0]):
-                    if len(depths) < 60:
-                        break
-                frame = self._match(colours, depths)
-                if frame is not None:
-                    yield frame
-        while colours and depths:
-            frame = self._match(colours, depths)
-            if frame is not None:
-                yield frame
-
-    def _match(self, colours: deque[Any], depths: deque[Any]) -> Frame | None:
-        colour = colours.popleft()
-        stamp = messages.stamp_ns(colour)
-        gaps = [abs(messages.stamp_ns(depth) - stamp) for depth in depths]
-        nearest = int(np.argmin(gaps))
-        if gaps[nearest] > LARGEST_GAP_NS:
-            while len(depths) > 1 and messages.stamp_ns(depths[0]) < stamp - LARGEST_GAP_NS:
-                depths.popleft()
-            return None
-        for _ in range(nearest):
-            depths.popleft()
-        depth = messages.decode_depth(depths.popleft(), self._units)
+    def _frame(self, colour: Message, depth: Message) -> Frame:
+        with naming(self._depth):
+            metric = messages.decode_depth(depth.read(), self._units)
         if self._registration is not None:
-            depth = self._registration(depth)
-        return Frame(stamp, messages.decode_colour(colour), depth)
+            metric = self._registration(metric)
+        with naming(self._colour):
+            return Frame(colour.stamp_ns, messages.decode_colour(colour.read()), metric)
+
+    def __iter__(self) -> Iterator[Frame]:
+        for colour, depth in self._pairs():
+            yield self._frame(colour, depth)
+
+    def _pending(self) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
+        for colour, depth in self._pairs():
+            read = partial(self._frame, colour, depth)
+            yield colour.stamp_ns, 9, self._loader(read)
+
+
+@contextmanager
+def naming(topic: str) -> Iterator[None]:
+    """Errors name the topic."""
+    try:
+        yield
+    except Error as error:
+        text = str(error)
+        raise Error(text if topic in text else f"{topic}: {text}", error.code) from None
+
 
 
 def first_message(reader: Any, topic: str) -> Any:
+    return first_decoded(reader, topic, lambda message: message)
+
+
+def first_decoded(reader: Any, topic: str, decode: Callable[[Any], Any]) -> Any:
+    """Of the first messages, the first that is not damaged."""
+    failure = Error(f"{topic}: no message", code=3)
     connections = [c for c in reader.connections if c.topic == topic]
-    for connection, _, raw in reader.messages(connections=connections):
-        return reader.deserialize(raw, connection.msgtype)
-    raise Error(f"{topic}: no message", code=3)
+    for connection, _, raw in islice(reader.messages(connections=connections), MOST_DAMAGED):
+        try:
+            with naming(topic):
+                return decode(reads(reader, topic, raw, connection.msgtype)())
+        except Error as error:
+            failure = error
+    raise failure
 
 
 def first_messages(reader: Any, kinds: tuple[str, ...]) -> dict[str, Any]:

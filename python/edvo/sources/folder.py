@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from edvo import _core
 from edvo.camera import Camera, from_tuple, read_scaled
 from edvo.registration import DepthRegistration
-from edvo.sources.base import Frame, Source
+from edvo.sources.base import Arrays, Frame, Source
 from edvo.trajectory import Trajectory
 
 
@@ -94,6 +95,15 @@ class FolderSource(Source):
     def __iter__(self) -> Iterator[Frame]:
         for index in range(len(self)):
             yield self[index]
+
+    def _pending(self) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
+        if type(self).__iter__ is not FolderSource.__iter__:
+            yield from super()._pending()
+            return
+        # Read where it is needed: a damaged image costs its own frame only.
+        for index in range(len(self)):
+            stamp_ns, decimals = self._folder.stamp(index)
+            yield stamp_ns, decimals, self._loader(partial(self.__getitem__, index))
 
     def stamps_ns(self, index: int) -> tuple[int, int]:
         """Of the colour and of the depth image."""

@@ -29,6 +29,18 @@ def opencv() -> Any:
     return cv2
 
 
+def decode_image(data: NDArray[np.uint8], flags: int, what: str) -> NDArray[Any]:
+    """A PNG, JPEG or the like as OpenCV has it. Raises edvo.Error for what is cut off or none."""
+    cv2 = opencv()
+    try:
+        image = cv2.imdecode(data, flags) if len(data) else None
+    except cv2.error:
+        image = None
+    if image is None:
+        raise Error(f"{what}: {len(data)} bytes, damaged or cut off, cannot be decoded", code=3)
+    return np.asarray(image)
+
+
 def stamp_ns(message: Any) -> int:
     stamp = message.header.stamp
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
@@ -63,10 +75,8 @@ def kind_of(message: Any) -> str:
 def decode_colour(message: Any) -> NDArray[np.uint8]:
     """H x W x 3, RGB."""
     if hasattr(message, "format"):
-        cv2 = opencv()
-        bgr = cv2.imdecode(np.asarray(message.data, np.uint8), cv2.IMREAD_COLOR)
-        if bgr is None:
-            raise Error(f"compressed image ({message.format}): cannot be decoded", code=3)
+        data = np.asarray(message.data, np.uint8)
+        bgr = decode_image(data, opencv().IMREAD_COLOR, f"compressed image ({message.format})")
         return np.ascontiguousarray(bgr[:, :, ::-1])
     encoding = message.encoding
     if encoding in BAYER:
@@ -106,8 +116,9 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
             raise Error(f"depth compressed as {message.format}: {width} x {height} pixels", code=3)
         image: Any = decode_rvl(data[20:], height, width)
     else:
-        image = opencv().imdecode(data[12:], opencv().IMREAD_UNCHANGED)
-    if image is None or image.dtype != np.uint16:
+        what = f"depth compressed as {message.format}"
+        image = decode_image(data[12:], opencv().IMREAD_UNCHANGED, what)
+    if image.dtype != np.uint16:
         raise Error(f"depth compressed as {message.format}: no 16-bit image", code=3)
     if message.format.startswith("32FC1"):  # quantized inverse depth
         with np.errstate(divide="ignore"):

@@ -75,13 +75,11 @@ def decompress_lzfse(data: bytes) -> bytes:
 
 
 def decode_jpeg(data: bytes) -> NDArray[np.uint8]:
-    from edvo.sources.messages import opencv
+    from edvo.sources.messages import decode_image, opencv
 
-    cv2 = opencv()
-    bgr = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)
-    if bgr is None:
-        raise Error("a colour image cannot be decoded", code=3)
-    return np.ascontiguousarray(bgr[:, :, ::-1])
+    what = "a colour image"
+    bgr = decode_image(np.frombuffer(data, np.uint8), opencv().IMREAD_COLOR, what)
+    return np.ascontiguousarray(bgr[:, :, ::-1], np.uint8)
 
 
 def exr_numbers(path: Path) -> list[int]:
