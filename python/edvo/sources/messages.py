@@ -62,14 +62,30 @@ def rows(message: Any, dtype: str, channels: int) -> NDArray[Any]:
     return pixels.reshape((message.height, message.width, channels)[: 3 if channels > 1 else 2])
 
 
+def is_png16(data: Any) -> bool:
+    """A PNG image of one channel of 16 bits, by its header."""
+    head = bytes(data[:26])
+    return head[:8] == b"\x89PNG\r\n\x1a\n" and head[24:26] == b"\x10\0"
+
+
 def kind_of(message: Any) -> str:
     """"colour", "depth" or "" (neither)."""
     if hasattr(message, "format"):
         text = message.format.lower()
-        return "depth" if "compresseddepth" in text else "colour"
+        is_depth = "compresseddepth" in text or text.startswith(("16uc1", "mono16", "32fc1"))
+        return "depth" if is_depth or is_png16(message.data) else "colour"
     if message.encoding in DEPTH:
         return "depth"
     return "colour" if message.encoding in COLOUR or message.encoding in BAYER else ""
+
+
+def encoding_of(message: Any) -> str:
+    return str(getattr(message, "format", "") or getattr(message, "encoding", "")).strip()
+
+
+def is_picture(message: Any) -> bool:
+    """Of one channel of 8 bits, which hold no depth."""
+    return encoding_of(message).startswith(("8UC1", "mono8"))
 
 
 def decode_colour(message: Any) -> NDArray[np.uint8]:
@@ -100,13 +116,20 @@ def decode_depth(message: Any, units_per_metre: float | None) -> NDArray[np.floa
     if message.encoding == "32FC1":
         return metres(rows(message, "float32", 1), 1.0)
     if message.encoding not in DEPTH:
-        raise Error(f"depth encoding {message.encoding}: not read", code=3)
+        raise Error(
+            f"depth encoding {message.encoding}: not read, 16UC1 or 32FC1 is needed (8-bit depth is "
+            "a picture of depth)",
+            code=3,
+        )
     return metres(rows(message, "uint16", 1), units)
 
 
 def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
-    """image_transport's compressedDepth: a header of 12 bytes, then a PNG, or width, height and RVL."""
+    """image_transport's compressedDepth: a header of 12 bytes, then a PNG, or width, height and RVL;
+    or its compressed: a PNG."""
     data = np.asarray(message.data, np.uint8)
+    if "compresseddepth" not in message.format.lower():
+        return decode_png_depth(data, message.format, units)
     if len(data) < 20:
         raise Error(f"depth compressed as {message.format}: only {len(data)} bytes", code=3)
     _, a, b = struct.unpack("<iff", data[:12].tobytes())
@@ -128,6 +151,18 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
     return metres(image, units)
 
 
+def decode_png_depth(data: NDArray[np.uint8], format: str, units: float) -> NDArray[np.float32]:
+    what = f"depth compressed as {format.strip()}"
+    image = decode_image(data, opencv().IMREAD_UNCHANGED, what)
+    if image.dtype != np.uint16 or image.ndim != 2:
+        raise Error(
+            f"{what}: {8 * image.dtype.itemsize} bits, a picture of depth; record it as 16-bit PNG "
+            "or compressedDepth",
+            code=3,
+        )
+    return metres(image, units)
+
+
 def camera_from(message: Any, is_rectified: bool = False) -> Camera:
     """The camera of a CameraInfo message, or that of its rectified images."""
     if is_rectified:
@@ -144,7 +179,7 @@ def camera_from(message: Any, is_rectified: bool = False) -> Camera:
     if any(d) and (model not in known or any(d[most:])):
         raise Error(
             f"CameraInfo: distortion model {model} with {len(d)} coefficients is not read, only "
-            "plumb_bob, rational_polynomial and equidistant; give --camera",
+            "plumb_bob, rational_polynomial and equidistant",
             code=5,
         )
     if not k[0] > 0:
