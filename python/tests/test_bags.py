@@ -86,8 +86,16 @@ class Recorder:
         )
         self.write(topic, message, stamp)
 
-    def info(self, topic: str, stamp: int, camera: edvo.Camera, frame: str) -> None:
-        k = camera.matrix.reshape(-1)
+    def info(
+        self,
+        topic: str,
+        stamp: int,
+        camera: edvo.Camera,
+        frame: str,
+        has_size: bool = True,
+        is_calibrated: bool = True,
+    ) -> None:
+        k = camera.matrix.reshape(-1) * is_calibrated
         letters = str.upper if self.is_ros1 else str.lower
         values = {
             letters("d"): np.array(camera.distortion),
@@ -102,8 +110,8 @@ class Recorder:
         message = self.make(
             "sensor_msgs/msg/CameraInfo",
             header=self.header(stamp, frame),
-            height=camera.height,
-            width=camera.width,
+            height=camera.height * has_size,
+            width=camera.width * has_size,
             distortion_model="plumb_bob",
             binning_x=0,
             binning_y=0,
@@ -227,6 +235,36 @@ def test_compressed_images_and_both_kinds_of_compressed_depth(
         assert np.allclose(back.depth[known], frame.depth[known], rtol=0.001, atol=0.0006)
 
 
+def test_depth_as_png_of_image_transport_is_read(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    recorder.info("/c/camera_info", START, camera, "c")
+    for topic, pixels, format in (
+        ("/c/rgb/compressed", frames[0].rgb[:, :, ::-1], "rgb8; png compressed bgr8"),
+        ("/c/z/compressed", millimetres(frames[0]), "png"),
+    ):
+        png = cv2.imencode(".png", pixels)[1].tobytes()
+        recorder.compressed(topic, START, png, format, "c")
+    (back,) = list(edvo.open_source(recorder.close()))
+    known = np.isfinite(frames[0].depth)
+    assert np.allclose(back.depth[known], frames[0].depth[known], atol=0.0006)
+
+
+def test_pictures_of_depth_are_refused_at_once(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    recorder.info("/c/camera_info", START, camera, "c")
+    recorder.image("/c/rgb", START, frames[0].rgb, "rgb8", "c")
+    recorder.image("/c/deep", START, frames[0].rgb[:, :, 0], "8UC1", "c")
+    path = recorder.close()
+    with pytest.raises(edvo.Error, match=r"/c/deep \(8UC1\).*; 8-bit or JPEG depth is a picture"):
+        edvo.open_source(path)
+    with pytest.raises(edvo.Error, match="/c/deep: depth encoding 8UC1"):
+        edvo.open_source(path, depth_topic="/c/deep")
+
+
 def test_depth_of_its_own_camera_is_registered_by_tf(
     tmp_path: Path, camera: edvo.Camera
 ) -> None:
@@ -249,6 +287,79 @@ def test_depth_of_its_own_camera_is_registered_by_tf(
     y = camera.fy * (119.5 - 110) / 300 + camera.cy
     assert frame.depth[round(y), round(x)] == pytest.approx(1.0, abs=1e-4)
     assert frame.depth[round(y), round(x) + 60] == pytest.approx(2.0, abs=1e-4)
+
+
+def info_bag(
+    folder: Path,
+    frames: list[edvo.Frame],
+    info: edvo.Camera,
+    depth_info: edvo.Camera | None = None,
+    **filled_in: bool,
+) -> Path:
+    """Images of 320 x 240 px with CameraInfo of anything."""
+    recorder = Recorder("mcap", folder)
+    recorder.info("/c/color/camera_info", START, info, "c", **filled_in)
+    if depth_info is not None:
+        recorder.info("/c/depth/camera_info", START, depth_info, "c")
+    recorder.image("/c/color/image", START, frames[0].rgb, "rgb8", "c")
+    recorder.image("/c/depth/image", START, millimetres(frames[0]), "16UC1", "c")
+    return recorder.close()
+
+
+@pytest.mark.parametrize("has_depth_info", [False, True])
+def test_camera_info_of_another_size_is_named_and_can_be_mended(
+    has_depth_info: bool, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    large = camera.scaled_to(640, 480)
+    path = info_bag(tmp_path, frames, large, large if has_depth_info else None)
+    said = "CameraInfo of /c/color/camera_info is for 640 x 480 px, but the images of /c/color/image are 320 x 240"
+    with pytest.raises(edvo.Error, match=said):
+        edvo.open_source(path)
+    scaled = edvo.open_source(path, camera_size=(640, 480))
+    assert scaled.camera.fx == pytest.approx(camera.fx) and len(list(scaled)) == 1
+    given = edvo.open_source(path, camera=camera)
+    assert len(list(given)) == 1 and not any("baseline" in note for note in given.notes)
+
+
+def test_camera_info_without_a_size_is_that_of_the_images(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    source = edvo.open_source(info_bag(tmp_path, frames, camera, has_size=False))
+    assert source.camera == camera and len(list(source)) == 1
+
+
+def test_camera_info_without_a_calibration_names_its_topic(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = info_bag(tmp_path, frames, camera, is_calibrated=False)
+    with pytest.raises(edvo.Error, match="/c/color/camera_info: .* with --camera FILE"):
+        edvo.open_source(path)
+    assert len(list(edvo.open_source(path, camera=camera))) == 1
+
+
+def test_a_depth_camera_of_another_size_is_refused(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = info_bag(tmp_path, frames, camera)
+    with pytest.raises(edvo.Error, match="--depth-camera.* is for 640 x 480 px"):
+        edvo.open_source(path, depth_camera=camera.scaled_to(640, 480))
+
+
+def test_colour_and_depth_are_of_one_camera(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    recorder.info("/front/color/camera_info", START, camera, "front")
+    for place in ("front", "up"):
+        recorder.image(f"/{place}/color/image_raw", START, frames[0].rgb, "rgb8", place)
+        recorder.image(f"/{place}/depth/image_raw", START, millimetres(frames[0]), "16UC1", place)
+    path = recorder.close()
+    source = edvo.open_source(path)
+    said = "left out: /up/color/image_raw, /up/depth/image_raw; --colour-topic and --depth-topic"
+    assert "(/front/color/image_raw, /front/depth/image_raw)" in source.origin
+    assert any(said in note for note in source.notes)
+    other = edvo.open_source(path, colour_topic="/up/color/image_raw", camera=camera)
+    assert "/up/depth/image_raw" in other.origin
 
 
 def test_realsense_topics_say_their_unit(tmp_path: Path, camera: edvo.Camera) -> None:

@@ -17,7 +17,9 @@ from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources import messages
+from edvo.sources.bag_cameras import Size, check_size, info_camera
 from edvo.sources.bag_reader import open_bag
+from edvo.sources.bag_topics import choose_topics, left_out, nearest_info
 from edvo.sources.base import Arrays, Frame, Source
 from edvo.sources.pairing import Message, Topics, count_pairs, messages_of, pair, reads
 from edvo.sources.references import find_reference
@@ -25,7 +27,6 @@ from edvo.sources.transforms import TransformTree
 
 MOST_DAMAGED = 30  # messages at the start of a topic that may be damaged
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
-INFO = "sensor_msgs/msg/CameraInfo"
 TF = "tf2_msgs/msg/TFMessage"
 
 
@@ -57,8 +58,8 @@ class BagSource(Source):
         self._units = depth_scale
         with open_bag(self._path) as reader:
             first = first_messages(reader, IMAGES)
-            self._colour = choose_topic(first, "colour", colour_topic, self._path)
-            self._depth = choose_topic(first, "depth", depth_topic, self._path)
+            chosen = choose_topics(reader, first, colour_topic, depth_topic, self._path)
+            self._colour, self._depth = chosen
             self._tree = read_tree(reader)
             self._choose_units(reader, first[self._depth])
             self._choose_cameras(reader, camera, first)
@@ -66,7 +67,8 @@ class BagSource(Source):
             pairing = count_pairs(reader, Topics(self._colour, self._depth), self._path)
             self._topics, self.frames = pairing.topics, pairing.count
         self.origin = f"{path} ({self._colour}, {self._depth})"
-        self.notes[:0] = [f"colour from {self._colour}, depth from {self._depth}", pairing.note]
+        said = f"colour from {self._colour}, depth from {self._depth}"
+        self.notes[:0] = [note for note in (said, left_out(first, chosen), pairing.note) if note]
 
     def _choose_units(self, reader: Any, message: Any) -> None:
         if self._units is not None:
@@ -97,10 +99,13 @@ class BagSource(Source):
         size = (colour.shape[1], colour.shape[0])
         if camera is not None:
             self.camera = read_scaled(camera, self._camera_size, size)
+            check_size(self.camera, size, "the camera (--camera)")
             if not isinstance(camera, Camera):
                 self.camera_origin = f"{camera}, as given"
         elif info is not None:
-            self.camera = camera_of(reader, info, self._colour)
+            message = first_message(reader, info)
+            names = (info, self._colour)
+            self.camera = info_camera(message, *names, size, self._camera_size, "--camera")
             self.camera_origin = f"CameraInfo of {info}"
         else:
             raise Error(
@@ -108,53 +113,67 @@ class BagSource(Source):
                 "with --camera FILE",
                 code=5,
             )
-        self._registration = self._find_registration(reader, first, depth)
+        self._registration = self._find_registration(reader, first, (depth.shape[1], depth.shape[0]))
 
     def _find_registration(
-        self, reader: Any, first: dict[str, Any], depth: NDArray[np.float32]
+        self, reader: Any, first: dict[str, Any], size: Size
     ) -> DepthRegistration | None:
-        """None where depth is registered already."""
+        """None where depth, of a width and height, is registered already."""
         if self._depth_camera is not None:
-            size = (depth.shape[1], depth.shape[0])
             own = read_scaled(self._depth_camera, (0, 0), size)
+            check_size(own, size, "the depth camera (--depth-camera)")
             self.notes.append("depth is registered to colour here, as given")
             return DepthRegistration(own, self.camera, self._given_motion)
-        info = nearest_info(reader, self._depth)
-        size = (self.camera.width, self.camera.height)
-        same_size = (depth.shape[1], depth.shape[0]) == size
+        same_size = size == (self.camera.width, self.camera.height)
         if any(word in self._depth for word in ("aligned", "registered")) and same_size:
             self.notes.append("depth is registered to colour (by the name of its topic)")
             return None
-        if info is None:
-            if same_size:
-                self.warnings.append(
-                    f"no CameraInfo beside {self._depth}: depth is taken as registered to colour"
-                )
-                return None
-            raise Error(
-                f"{self._path}: depth has {depth.shape[1]} x {depth.shape[0]} pixels, colour "
-                f"{size[0]} x {size[1]}, and no CameraInfo says how they belong together",
-                code=5,
-            )
-        depth_camera = camera_of(reader, info, self._depth)
+        depth_camera = self._own_depth_camera(reader, first, size)
+        if depth_camera is None:
+            return None
         motion = self._colour_from_depth(reader, first)
+        has_same_camera = same_size and np.allclose(
+            depth_camera.matrix, self.camera.matrix, atol=0.5
+        )
+        if has_same_camera and (motion is None or np.allclose(motion, np.eye(4), atol=1e-4)):
+            self.notes.append("depth has the camera of colour: it is taken as registered")
+            return None
         if motion is None:
-            if same_size and np.allclose(depth_camera.matrix, self.camera.matrix, atol=0.5):
-                self.notes.append("depth has the camera of colour: it is taken as registered")
-                return None
             self.warnings.append(
                 "depth has another camera than colour, and no transform between them is known: "
                 "they are taken as being in one place"
             )
             motion = np.eye(4)
-        if same_size and np.allclose(motion, np.eye(4), atol=1e-4):
-            if np.allclose(depth_camera.matrix, self.camera.matrix, atol=0.5):
-                return None
         self.notes.append(
             "depth is registered to colour here: baseline "
             f"{1000 * float(np.linalg.norm(motion[:3, 3])):.1f} mm"
         )
         return DepthRegistration(depth_camera, self.camera, motion)
+
+    def _own_depth_camera(self, reader: Any, first: dict[str, Any], size: Size) -> Camera | None:
+        """Of the CameraInfo beside depth; None where it has none and is taken as registered."""
+        info = nearest_info(reader, self._depth)
+        same_size = size == (self.camera.width, self.camera.height)
+        why = f"no CameraInfo beside {self._depth}"
+        if info is not None and info != nearest_info(reader, self._colour):
+            message = first_message(reader, info)
+            names = (info, self._depth)
+            try:
+                return info_camera(message, *names, size, self._camera_size, "--depth-camera")
+            except Error as error:
+                why = str(error)
+        elif first[self._colour].header.frame_id == first[self._depth].header.frame_id and same_size:
+            self.notes.append("depth has the frame of colour: it is taken as registered")
+            return None
+        if not same_size:
+            raise Error(
+                f"{self._path}: depth has {size[0]} x {size[1]} pixels, colour {self.camera.width} x "
+                f"{self.camera.height}; {why}; --depth-camera FILE and --colour-from-depth FILE say "
+                "how they belong together",
+                code=5,
+            )
+        self.warnings.append(f"{why}: depth is taken as registered to colour")
+        return None
 
     def _colour_from_depth(self, reader: Any, first: dict[str, Any]) -> NDArray[np.float64] | None:
         # RealSense's recorder: x_stream = transform * x_reference, one message a stream.
@@ -232,59 +251,6 @@ def first_messages(reader: Any, kinds: tuple[str, ...]) -> dict[str, Any]:
         for name, topic in reader.topics.items()
         if topic.msgtype in kinds and topic.msgcount > 0
     }
-
-
-def choose_topic(first: dict[str, Any], kind: str, wanted: str | None, path: Path) -> str:
-    known = sorted(name for name, message in first.items() if messages.kind_of(message) == kind)
-    flag = f"--{kind}-topic"
-    if wanted is not None:
-        if wanted not in first:
-            raise Error(f"{flag} {wanted}: not in {path}; its images: {', '.join(first)}", code=2)
-        return wanted
-    if not known:
-        raise Error(
-            f"{path}: no {kind} images; its image topics: {', '.join(first) or 'none'}", code=3
-        )
-
-    def rank(name: str) -> tuple[int, ...]:
-        low = name.lower()
-        if kind == "depth":
-            words: tuple[str, ...] = ("aligned", "registered", "depth")
-        else:
-            words = ("rgb", "color", "colour")
-        message = first[name]
-        return (
-            -sum(word in low for word in words),
-            sum(word in low for word in ("infra", "/ir", "fisheye", "mono", "left", "right")),
-            1 if getattr(message, "encoding", "") in ("mono8", "8UC1") else 0,
-            1 if hasattr(message, "format") else 0,  # raw before compressed
-            len(name),
-        )
-
-    return min(known, key=rank)
-
-
-def nearest_info(reader: Any, image_topic: str) -> str | None:
-    """The CameraInfo topic that shares most of its name with the images' topic."""
-    parts = image_topic.split("/")
-    best: tuple[int, str] | None = None
-    for name, topic in reader.topics.items():
-        if topic.msgtype != INFO or topic.msgcount == 0:
-            continue
-        shared = 0
-        for a, b in zip(parts, name.split("/")):
-            if a != b:
-                break
-            shared += 1
-        if shared >= 2 and (best is None or shared > best[0]):
-            best = (shared, name)
-    return best[1] if best else None
-
-
-def camera_of(reader: Any, info: str, image_topic: str) -> Camera:
-    """image_proc's rectified images have the camera of P, without distortion."""
-    is_rectified = "image_rect" in image_topic
-    return messages.camera_from(first_message(reader, info), is_rectified)
 
 
 def read_tree(reader: Any) -> TransformTree:

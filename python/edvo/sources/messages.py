@@ -163,13 +163,17 @@ def decode_png_depth(data: NDArray[np.uint8], format: str, units: float) -> NDAr
     return metres(image, units)
 
 
-def camera_from(message: Any, is_rectified: bool = False) -> Camera:
-    """The camera of a CameraInfo message, or that of its rectified images."""
+def camera_from(message: Any, unsized: tuple[int, int], is_rectified: bool = False) -> Camera:
+    """The camera of a CameraInfo message, or that of its rectified images.
+
+    ``unsized``: width and height of one that does not say them.
+    """
+    width, height = (message.width, message.height) if message.width > 0 else unsized
     if is_rectified:
         p = np.asarray(getattr(message, "p", getattr(message, "P", None)), float)
         if p[0] > 0:
             fx, fy, cx, cy = float(p[0]), float(p[5]), float(p[2]), float(p[6])
-            return Camera(fx, fy, cx, cy, message.width, message.height)
+            return Camera(fx, fy, cx, cy, width, height)
     k = np.asarray(getattr(message, "k", getattr(message, "K", None)), float)
     d = [float(value) for value in getattr(message, "d", getattr(message, "D", []))]
     model = message.distortion_model
@@ -185,7 +189,7 @@ def camera_from(message: Any, is_rectified: bool = False) -> Camera:
     if not k[0] > 0:
         raise Error("CameraInfo: no focal length (the camera was not calibrated)", code=5)
     fx, fy, cx, cy = float(k[0]), float(k[4]), float(k[2]), float(k[5])
-    return Camera(fx, fy, cx, cy, message.width, message.height, tuple(d[:most]), equidistant)
+    return Camera(fx, fy, cx, cy, width, height, tuple(d[:most]), equidistant)
 
 
 def pose_from(translation: Any, rotation: Any) -> NDArray[np.float64]:
