@@ -396,6 +396,28 @@ def test_files_that_are_no_bags_are_refused_in_one_sentence(name: str, tmp_path:
     assert caught.value.code == 3 and "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("kind", "whole", "mender"),
+    [
+        ("ros1", False, "rosbag reindex "),
+        ("mcap", False, "mcap recover "),
+        ("mcap", True, "mcap recover "),
+        ("db3", False, "sqlite3 "),
+    ],
+)
+def test_what_mends_a_cut_recording_is_said_with_its_file(
+    kind: str, whole: bool, mender: str, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    """``whole``: the folder, with metadata.yaml, is opened."""
+    path = record(kind, tmp_path, camera, frames[:3])
+    file = next(path.glob(f"*.{kind}")) if path.is_dir() else path
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(edvo.Error) as caught:
+        list(edvo.open_source(path if whole else file))
+    assert f"{file}: damaged or cut off" in str(caught.value)
+    assert f"`{mender}{file}" in str(caught.value) and "\n" not in str(caught.value)
+
+
 def test_a_bag_is_tracked(tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
     run = edvo.run(record("mcap", tmp_path, camera, frames[:12]))
     assert run.tracked == 12 and run.evaluation is not None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sqlite3
 import tempfile
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from typing import Any
 
 from edvo.errors import Error, missing_extra
 
+MCAP_END = b"\x89MCAP0\r\n"
 STORAGES = {".db3": "sqlite3", ".mcap": "mcap"}
 
 
@@ -26,6 +28,8 @@ def open_bag(path: Path) -> Iterator[Any]:
     """An open rosbags.highlevel.AnyReader."""
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.rosbag1 import ReaderError as Reader1Error
+        from rosbags.rosbag2 import ReaderError as Reader2Error
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise missing_extra(f"reading {path.name}", "rosbags", "ros") from None
@@ -40,8 +44,41 @@ def open_bag(path: Path) -> Iterator[Any]:
             store = get_typestore(Stores.ROS2_HUMBLE)
             with AnyReader([place], default_typestore=store) as reader:
                 yield reader
-        except (AnyReaderError, FileNotFoundError) as error:
-            raise Error(f"{path}: {error}", code=3) from None
+        except (Error, FileNotFoundError) as error:
+            raise error if isinstance(error, Error) else Error(f"{path}: {error}", 3) from None
+        except (AnyReaderError, Reader1Error, Reader2Error, OSError, RuntimeError) as error:
+            # The last two are those of decompressors.
+            raise damaged(path, error) from None
+
+
+MENDERS = {
+    ".bag": "rosbag reindex {0}",
+    ".mcap": "mcap recover {0} -o mended.mcap",
+    ".db3": "sqlite3 {0} .recover | sqlite3 mended.db3",
+}
+
+
+def damaged(path: Path, error: Exception) -> Error:
+    """What mends a recording whose recorder was killed, with the file."""
+    files = [path]
+    if path.is_dir():
+        files = [file for file in sorted(path.iterdir()) if file.suffix in STORAGES]
+        files = [file for file in files if is_cut_off(file)] or files[:1] or [path]
+    file = files[0]
+    if file.is_file() and file.stat().st_size == 0:
+        return Error(f"{file}: is empty, 0 bytes", code=3)
+    mender = MENDERS.get(file.suffix, "").format(shlex.quote(str(file)))
+    hint = f"; if it was cut off, `{mender}` mends it" if mender else ""
+    return Error(f"{file}: damaged or cut off: {error}{hint}", code=3)
+
+
+def is_cut_off(file: Path) -> bool:
+    """An MCAP file without the bytes that end one."""
+    if file.suffix != ".mcap":
+        return False
+    with file.open("rb") as stream:
+        stream.seek(-min(len(MCAP_END), file.stat().st_size), 2)
+        return stream.read() != MCAP_END
 
 
 def topics_of_database(file: Path) -> list[tuple[str, str, int]]:
@@ -52,22 +89,21 @@ def topics_of_database(file: Path) -> list[tuple[str, str, int]]:
                 "from topics"
             ).fetchall()
     except sqlite3.DatabaseError as error:
-        raise Error(f"{file}: no ROS 2 recording: {error}", code=3) from None
+        raise damaged(file, error) from None
 
 
 def topics_of_mcap(file: Path) -> list[tuple[str, str, int]]:
     try:
-        from mcap.exceptions import McapError
         from mcap.reader import make_reader
     except ImportError:
         raise missing_extra(f"reading {file.name}", "mcap", "ros") from None
     with file.open("rb") as stream:
         try:
             summary = make_reader(stream).get_summary()
-        except McapError as error:
-            raise Error(f"{file}: no MCAP file: {error!r}", code=3) from None
+        except Exception as error:  # noqa: BLE001: the library raises several kinds
+            raise damaged(file, error) from None
     if summary is None:
-        raise Error(f"{file}: has no summary (cut off?); `mcap recover` mends it", code=3)
+        raise damaged(file, ValueError("no summary at its end"))
     counts = summary.statistics.channel_message_counts if summary.statistics else {}
     return [
         (channel.topic, summary.schemas[channel.schema_id].name, counts.get(channel.id, 1))
