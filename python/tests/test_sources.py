@@ -312,6 +312,56 @@ def test_stray_scanner(tmp_path: Path) -> None:
     assert np.nanmedian(frames[1].depth) == pytest.approx(1.5)
 
 
+def zipped(folder: Path, file: Path) -> Path:
+    with zipfile.ZipFile(file, "w") as archive:
+        for name in sorted(folder.rglob("*")):
+            archive.write(name, Path("my recording") / name.relative_to(folder))
+        archive.writestr("__MACOSX/._rgb", "x")
+    return file
+
+
+def test_zips_of_what_only_python_reads(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    folder = tmp_path / "images"
+    for i in range(2):
+        write(folder / f"rgb/{i}.png", colour_image(10 * (i + 1)))
+        write(folder / f"depth/{i}.tiff", DEPTH)
+    (folder / "camera.toml").write_text("fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n")
+    file = zipped(folder, tmp_path / "walk.zip")
+    assert not read_by_core(file)
+    for _ in range(2):  # unpacked once
+        source = check(file, 2)
+        assert source.name == "walk" and f"unpacked from {file}" in source.notes
+    assert len(list((tmp_path / "cache/edvo").iterdir())) == 1
+
+
+def test_zips_that_cannot_be_unpacked_leave_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    file = tmp_path / "walk.zip"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("walk/depth/0.npy", "x" * 1000)
+    whole = file.read_bytes()
+    file.write_bytes(whole.replace(b"xxx", b"xyx", 1))
+    with pytest.raises(edvo.Error, match="walk.zip: damaged"):
+        edvo.open_source(file)
+    with zipfile.ZipFile(file, "a") as archive:
+        archive.writestr("../depth/0.npy", "x")
+    with pytest.raises(edvo.Error, match="would be written outside"):
+        edvo.open_source(file)
+    assert list((tmp_path / "cache/edvo").iterdir()) == []
+
+
+def test_zips_of_folders_that_the_program_reads_are_left_to_it(tmp_path: Path) -> None:
+    folder = tum_lists(tmp_path, "sequence")
+    assert read_by_core(zipped(folder, tmp_path / "sequence.zip"))
+    (tmp_path / "broken.zip").write_bytes(b"PK")
+    assert read_by_core(tmp_path / "broken.zip")
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [

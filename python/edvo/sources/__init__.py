@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
+from edvo.sources.archives import is_for_python, recording_in
 from edvo.sources.azure import AzureSource
 from edvo.sources.bag import BagSource
 from edvo.sources.bag_reader import is_bag
@@ -77,11 +78,14 @@ def read_by_core(path: str | Path) -> bool:
     place = Path(path)
     if str(path).startswith(CAMERA):
         return False
+    return not (is_python_place(place) or is_for_python(place))
+
+
+def is_python_place(place: Path) -> bool:
+    """A recording that only Python reads."""
     if is_bag(place) or is_record3d(place) or place.suffix == ".mkv":
-        return False
-    if place.is_dir():
-        return not (is_stray(place) or is_nyu_raw(place) or needs_python(place))
-    return True
+        return True
+    return place.is_dir() and (is_stray(place) or is_nyu_raw(place) or needs_python(place))
 
 
 def open_source(
@@ -110,6 +114,20 @@ def open_source(
             raise Error(f"{path}: says its units itself; only --camera fits it", code=2)
         return open_camera(str(path), camera)
     place = Path(path)
+    if is_for_python(place):
+        source = open_source(
+            recording_in(place, is_python_place),
+            camera=camera,
+            camera_size=camera_size,
+            depth_scale=depth_scale,
+            depth_camera=depth_camera,
+            colour_from_depth=colour_from_depth,
+            colour_topic=colour_topic,
+            depth_topic=depth_topic,
+        )
+        source.name = place.stem
+        source.notes.append(f"unpacked from {path}")
+        return source
     registration: dict[str, Any] = {
         "depth_camera": depth_camera,
         "colour_from_depth": colour_from_depth,
