@@ -206,6 +206,16 @@ def test_floats_are_metres(
         assert np.array_equal(frame.depth, original.depth, equal_nan=True)
 
 
+def test_floats_in_millimetres_are_mended_as_the_doctor_says(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    path = record("mcap", tmp_path, camera, frames[:6], lambda f: (1000 * f.depth, "32FC1"))
+    (finding,) = [f for f in edvo.diagnose(path) if f.fault == "depth_in_millimetres"]
+    assert "--depth-scale 1000" in finding.advice
+    for frame, original in zip(edvo.open_source(path, depth_scale=1000), frames):
+        assert np.allclose(frame.depth, original.depth, equal_nan=True)
+
+
 def test_compressed_images_and_both_kinds_of_compressed_depth(
     tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
 ) -> None:

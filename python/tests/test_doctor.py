@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,61 @@ def test_a_good_sequence_has_no_fault(good: Memory) -> None:
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_a_planted_fault_is_named(good: Memory, fault: Fault) -> None:
     assert fault.finding in findings_of(fault.plant(good), fault.needs_truth)
+
+
+def finding_of(source: edvo.Source, fault: str) -> edvo.Finding:
+    return next(f for f in edvo.diagnose(source, motion_too=False) if f.fault == fault)
+
+
+def slower(good: Memory, stride: int, late: int) -> Memory:
+    """Every ``stride``-th frame, with the depth of ``late`` frames before."""
+    pairs = zip(good.list[late::stride], good.list[::stride])
+    return Memory(good.camera, [replace(a, depth=b.depth) for a, b in pairs])
+
+
+@pytest.fixture(scope="module")
+def long(tmp_path_factory: pytest.TempPathFactory) -> Memory:
+    flags = ("--scene", "office", "--frames", "200", "--seed", "3")
+    source = FolderSource(synth(tmp_path_factory.mktemp("doctor") / "long", *flags))
+    return Memory(source.camera, list(source))
+
+
+def test_depth_late_by_part_of_a_period_is_no_fault(long: Memory) -> None:
+    """As a Kinect's depth is, by 20 ms; the offset is measured between frames."""
+    finding = finding_of(slower(long, stride=3, late=2), "time_offset")
+    assert finding.verdict == "ok" and "+75 ms from colour" in finding.measured
+
+
+def test_stamps_of_depth_count_for_its_offset(long: Memory) -> None:
+    late = slower(long, stride=5, late=4)
+    assert finding_of(late, "time_offset").verdict == "fault"
+    late.depth_delay_ns = -100_000_000
+    assert finding_of(late, "time_offset").verdict == "ok"
+
+
+def panned(good: Memory, late: int) -> Memory:
+    """A camera that turns one way, 4 px a frame, with depth of earlier frames."""
+    wide, width = good.list[0], 224
+    frames = [
+        replace(
+            good.list[i],
+            rgb=wide.rgb[:, 4 * i : 4 * i + width],
+            depth=wide.depth[:, 4 * (i - late) : 4 * (i - late) + width],
+        )
+        for i in range(late, 24)
+    ]
+    return Memory(replace(good.camera, width=width), frames)
+
+
+def test_late_depth_of_a_camera_that_moves_one_way_is_not_called_unregistered(good: Memory) -> None:
+    assert finding_of(panned(good, late=0), "registration").verdict == "ok"
+    late = panned(good, late=1)
+    assert finding_of(late, "registration").verdict == "ok"
+
+
+def test_single_frames_dropped_at_the_start_of_a_short_recording_are_no_fault(good: Memory) -> None:
+    dropped = [frame for i, frame in enumerate(good.list[:40]) if i not in (2, 5, 9, 14, 20, 27)]
+    assert finding_of(Memory(good.camera, dropped), "frame_gaps").verdict == "ok"
 
 
 def test_a_mirror_cannot_be_seen_without_ground_truth(good: Memory) -> None:

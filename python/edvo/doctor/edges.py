@@ -13,7 +13,12 @@ from edvo.sources.base import Frame
 LARGEST_SHIFT = 12  # [px] of images that are about 320 px wide
 WORKING_WIDTH = 320  # [px]
 SCALES = 1.04 ** np.arange(-13, 14)  # 0.60 to 1.67: colour cameras see less or more than depth's
+COARSE_SCALES = (0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4)
 FEWEST_EDGES = 200  # pixels of an image
+CLEARLY = 1.15  # times as good
+REACH = 2  # frames, of the search in time
+LEAST_DELAY = 0.8  # periods; less is how a sensor stamps its images
+FEWEST_SCORES = 12  # frames in motion
 LEAST_FIT = 0.25  # sigmas of the images' detail
 Map = NDArray[np.float32]
 
@@ -86,18 +91,25 @@ def edge_pixels(frame: Frame, shape: tuple[int, ...]) -> NDArray[np.float64] | N
 
 
 class EdgeFit:
-    """How well depth edges, enlarged about the image's middle and moved, fit edges of images."""
+    """How well depth edges, enlarged about the image's middle and moved, fit edges of images.
 
-    def __init__(self, frames: list[Frame]) -> None:
+    ``pairs``: the frames whose images and those whose depths are taken.
+    """
+
+    def __init__(self, pairs: list[tuple[Frame, Frame]]) -> None:
         self.images = []
         self.depths = []
-        for frame in frames:
-            image = image_detail(frame)
-            depth = edge_pixels(frame, image.shape)
+        for of_image, of_depth in pairs:
+            image = image_detail(of_image)
+            depth = edge_pixels(of_depth, image.shape)
             if depth is not None:
                 self.images.append(np.fft.rfft2(image))
                 self.depths.append(depth)
                 self.shape = image.shape
+
+    def best(self) -> float:
+        """At a few enlargements; 0 with too few images."""
+        return max(float(self.at(s).max()) for s in COARSE_SCALES) if len(self.depths) > 3 else 0
 
     def at(self, scale: float) -> Map:
         """By (dy, dx): mean detail [its sigmas] under the depth edges of all frames."""
@@ -118,9 +130,36 @@ class EdgeFit:
         return np.asarray(fit[np.ix_(around, around)], np.float32)
 
 
+def pairs_apart(sample: Sample, apart: int) -> list[tuple[Frame, Frame]]:
+    """Images of two or three frames of each group with the depth of a frame before or after."""
+    return [
+        (group[i], group[i + apart])
+        for group in sample.groups
+        for i in range(0, len(group), max(1, len(group) // 2))
+        if 0 <= i + apart < len(group)
+    ]
+
+
 def registration(sample: Sample) -> Finding:
-    frames = [f for group in sample.groups for f in group[:: max(1, len(group) // 2)]]
-    fit = EdgeFit(frames)
+    """Where edges of depth lie; a fault if they do so with depth of every time that fits as well.
+
+    While the camera moves one way, depth of another time lies beside the image, too: a Kinect's
+    depth is 20 ms late. That is time_offset's to judge.
+    """
+    found = registration_apart(sample, 0)
+    if found.verdict != "fault":
+        return found
+    fits = {k: EdgeFit(pairs_apart(sample, k)).best() for k in range(-REACH, REACH + 1)}
+    as_good = [k for k, best in fits.items() if CLEARLY * best >= max(fits.values())]
+    others = [registration_apart(sample, k) for k in as_good if k]
+    if 0 in as_good:
+        others.append(found)
+    return next((other for other in others if other.verdict != "fault"), others[0])
+
+
+def registration_apart(sample: Sample, apart: int) -> Finding:
+    pairs = pairs_apart(sample, apart)
+    fit = EdgeFit(pairs)
     if len(fit.depths) < 4:
         return unknown("registration", "too few jumps in depth")
     maps = {scale: fit.at(scale) for scale in SCALES}
@@ -129,10 +168,12 @@ def registration(sample: Sample) -> Finding:
     rival = max(float(m.max()) for other, m in maps.items() if abs(np.log(other / scale)) > 0.1)
     if best < LEAST_FIT or best < 1.5 * rival:  # a right scale stands out
         return unknown("registration", "edges of depth and colour do not correlate anywhere")
-    factor = round(frames[0].depth.shape[1] / fit.shape[1])
+    factor = round(pairs[0][1].depth.shape[1] / fit.shape[1])
     peak = np.unravel_index(int(maps[scale].argmax()), maps[scale].shape)
     dy, dx = (factor * (int(k) - LARGEST_SHIFT) for k in peak)
     measured = f"edges of depth fit edges of colour best when moved by ({dx}, {dy}) px"
+    if apart:
+        measured += f", with depth of {apart:+d} frames"
     unscaled = maps[1.0]
     s = LARGEST_SHIFT
     near = float(unscaled[s - 1 : s + 2, s - 1 : s + 2].max())
@@ -146,7 +187,7 @@ def registration(sample: Sample) -> Finding:
             "--depth-camera and --colour-from-depth",
             3,
         )
-    if max(abs(dx), abs(dy)) >= 3 and best > 1.15 * near:
+    if max(abs(dx), abs(dy)) >= 3 and best > CLEARLY * near:
         return Finding(
             "registration",
             "fault",
@@ -169,31 +210,46 @@ def fit_at(image: Map, depth: Map) -> float:
     return float(around.mean() / (image.mean() + 1e-6))
 
 
-def time_offset(sample: Sample) -> Finding:
-    """Depth of which neighbouring frame fits the image best, where the camera moves."""
-    reach = 2
+def time_scores(sample: Sample) -> NDArray[np.float64]:
+    """Frames in motion x fits of their image with the depth of -REACH to REACH frames later."""
     scores: list[list[float]] = []
     for group in sample.groups:
         images = [image_edges(frame) for frame in group]
         depths = [depth_edges(frame) for frame in group]
-        for i in range(reach, len(group) - reach):
-            row = [fit_at(images[i], depths[i + k]) for k in range(-reach, reach + 1)]
+        for i in range(REACH, len(group) - REACH):
+            row = [fit_at(images[i], depths[i + k]) for k in range(-REACH, REACH + 1)]
             if np.isfinite(row).all() and max(row) > 1.03 * min(row):  # the camera moves
                 scores.append(row)
-    if len(scores) < 6:
+    return np.array(scores).reshape(-1, 2 * REACH + 1)
+
+
+def peak(values: NDArray[np.float64]) -> float:
+    """Index of the largest value, between samples by a parabola."""
+    k = int(values.argmax())
+    if not 0 < k < len(values) - 1:
+        return k
+    before, at, after = values[k - 1 : k + 2]
+    return float(k + 0.5 * (before - after) / (before - 2 * at + after))
+
+
+def time_offset(sample: Sample) -> Finding:
+    """Depth of which neighbouring frame fits the image best, where the camera moves."""
+    table = time_scores(sample)
+    if len(table) < FEWEST_SCORES:
         return unknown("time_offset", "too little motion or too few jumps in depth")
-    table = np.array(scores)
     mean = table.mean(axis=0)
-    best = int(mean.argmax()) - reach
+    best = int(mean.argmax()) - REACH
     period = float(np.median(np.diff(sample.stamps_ns))) * 1e-9
-    measured = f"depth of {best:+d} frames fits best ({1000 * best * period:+.0f} ms)"
-    wins = float((table.argmax(axis=1) == best + reach).mean())
-    if best != 0 and wins > 0.5 and mean[best + reach] > 1.01 * mean[reach]:
+    offset = (peak(mean) - REACH) * period + 1e-9 * sample.depth_delay_ns
+    measured = f"depth of {best:+d} frames fits best, stamped {1000 * offset:+.0f} ms from colour"
+    wins = float((table.argmax(axis=1) == best + REACH).mean())
+    is_off = best != 0 and abs(offset) > LEAST_DELAY * period
+    if is_off and wins > 0.5 and mean[best + REACH] > 1.01 * mean[REACH]:
         return Finding(
             "time_offset",
             "fault",
             measured,
-            f"move the stamps of depth by {-best * period:+.3f} s, or synchronize the streams",
+            f"move the stamps of depth by {-offset:+.3f} s, or synchronize the streams",
             2,
         )
     return ok("time_offset", measured)

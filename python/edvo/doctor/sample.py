@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
+from edvo.sources.bag import BagSource
 from edvo.sources.base import Arrays, Frame, Source
 from edvo.sources.folder import FolderSource
 from edvo.sources.listed import ListedSource
@@ -43,6 +44,7 @@ class Sample:
     stamps_ns: NDArray[np.int64]  # of all frames, or of those read
     ground_truth: Trajectory | None
     is_reference_only: bool = False  # that is another estimate
+    depth_delay_ns: int = 0  # median of depth's stamps less colour's
     depth_files: list[Path] = field(default_factory=list)
     unreadable: list[str] = field(default_factory=list)
     missing: int = 0  # frames of the list whose images are not there
@@ -79,6 +81,7 @@ def take(source: Source, size: Size = THOROUGH) -> Sample:
     sample = Sample(
         source.camera, [], np.zeros(0, np.int64), source.ground_truth, source.is_reference_only
     )
+    sample.depth_delay_ns = source.depth_delay_ns
     if isinstance(source, (FolderSource, ListedSource)):
         for start in starts(len(source), size):
             group: list[Frame] = []
@@ -98,8 +101,11 @@ def take(source: Source, size: Size = THOROUGH) -> Sample:
     if isinstance(source, FolderSource):
         stamps = [source.stamps_ns(i) for i in range(len(source))]
         sample.stamps_ns = np.array([colour for colour, _ in stamps], np.int64)
+        sample.depth_delay_ns = int(np.median([depth - colour for colour, depth in stamps]))
         sample.depth_files = [source.files(0)[1]]
         sample.units_per_metre = source.units_per_metre
+    elif isinstance(source, BagSource):
+        sample.stamps_ns = source.stamps_ns
     elif isinstance(source, ListedSource):
         sample.stamps_ns = np.array([entry.stamp_ns for entry in source.entries], np.int64)
     sample.unreadable = unreadable

@@ -65,7 +65,9 @@ class BagSource(Source):
             self._choose_cameras(reader, camera, first)
             self._find_truth(reader, first[self._colour].header.frame_id)
             pairing = count_pairs(reader, Topics(self._colour, self._depth), self._path)
-            self._topics, self.frames = pairing.topics, pairing.count
+            self._topics, self.stamps_ns = pairing.topics, pairing.stamps_ns
+            self.frames = len(self.stamps_ns)
+            self.depth_delay_ns = pairing.depth_delay_ns
         self.origin = f"{path} ({self._colour}, {self._depth})"
         said = f"colour from {self._colour}, depth from {self._depth}"
         self.notes[:0] = [note for note in (said, left_out(first, chosen), pairing.note) if note]

@@ -40,6 +40,7 @@ class Source(ABC):
     camera: Camera
     camera_origin: str = "as given"
     depth_origin: str = "in metres"
+    depth_delay_ns: int = 0  # median of depth's stamps less colour's
     frames: int | None = None  # None = not known
     is_live: bool = False  # a sensor that does not wait: who is late gets the newest frame
     ground_truth: Trajectory | None = None

@@ -109,12 +109,13 @@ def decode_colour(message: Any) -> NDArray[np.uint8]:
 
 
 def decode_depth(message: Any, units_per_metre: float | None) -> NDArray[np.float32]:
-    """H x W, [m]. Units by the encoding: 32FC1 metres, 16-bit millimetres unless given."""
-    units = units_per_metre or MILLIMETRES
+    """H x W, [m]. Units, unless given, by the encoding: 32FC1 metres, 16-bit millimetres."""
+    is_float = encoding_of(message).startswith("32FC1")
+    units = units_per_metre or (1.0 if is_float else MILLIMETRES)
     if hasattr(message, "format"):
         return decode_compressed_depth(message, units)
-    if message.encoding == "32FC1":
-        return metres(rows(message, "float32", 1), 1.0)
+    if is_float:
+        return metres(rows(message, "float32", 1), units)
     if message.encoding not in DEPTH:
         raise Error(
             f"depth encoding {message.encoding}: not read, 16UC1 or 32FC1 is needed (8-bit depth is "
@@ -147,7 +148,7 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
         with np.errstate(divide="ignore"):
             depth = np.float32(a) / (image.astype(np.float32) - np.float32(b))
         depth[image == 0] = np.nan
-        return metres(depth, 1.0)
+        return metres(depth, units)
     return metres(image, units)
 
 

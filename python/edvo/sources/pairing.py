@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from edvo.errors import Error
 
@@ -95,7 +96,8 @@ def match(colours: deque[Message], depths: deque[Message]) -> Iterator[tuple[Mes
 @dataclass(frozen=True)
 class Pairing:
     topics: Topics
-    count: int  # pairs
+    stamps_ns: NDArray[np.int64]  # of the colour images that have depth
+    depth_delay_ns: int  # median of depth's stamps less colour's
     note: str
 
 
@@ -107,18 +109,19 @@ def count_pairs(reader: Any, topics: Topics, path: Path) -> Pairing:
     ):
         topics = Topics(topics.colour, topics.depth, by_arrival=True)
         stamped = stamps_of(reader, topics)
-    gaps = [depth.stamp_ns - colour.stamp_ns for colour, depth in pair(stamped)]
+    pairs = [(colour.stamp_ns, depth.stamp_ns) for colour, depth in pair(stamped)]
     colours = [m.stamp_ns for m in stamped if m.is_colour]
     depths = [m.stamp_ns for m in stamped if not m.is_colour]
-    if not gaps:
+    if not pairs:
         raise Error(f"{path}: {say_no_pair(topics, colours, depths)}", code=3)
+    delay = int(np.median([depth - colour for colour, depth in pairs]))
     note = (
-        f"{len(gaps)} pairs of {len(colours)} colour and {len(depths)} depth images, "
-        f"depth {1e-6 * float(np.median(gaps)):+.0f} ms from colour (median)"
+        f"{len(pairs)} pairs of {len(colours)} colour and {len(depths)} depth images, "
+        f"depth {1e-6 * delay:+.0f} ms from colour (median)"
     )
     if topics.by_arrival:
         note += "; the headers have no time, so it is that at which messages were recorded"
-    return Pairing(topics, len(gaps), note)
+    return Pairing(topics, np.array([colour for colour, _ in pairs], np.int64), delay, note)
 
 
 def stamps_of(reader: Any, topics: Topics) -> list[Message]:
