@@ -180,6 +180,69 @@ def test_other_depth_formats(suffix: str, tmp_path: Path) -> None:
     check(tmp_path, 2)
 
 
+CAMERA = "fx = 60\nfy = 60\ncx = 31.5\ncy = 23.5\n"
+
+
+def test_depth_scale_of_the_camera_file_holds_for_other_formats(tmp_path: Path) -> None:
+    for i in range(2):
+        write(tmp_path / f"rgb/{i}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"depth/{i}.tiff", units(5000))
+    (tmp_path / "camera.toml").write_text(CAMERA + "depth_scale = 5000\n")
+    source = check(tmp_path, 2)
+    assert "depth in 5000 units per metre (depth_scale in camera.toml)" in source.notes
+    for i in range(2):
+        write(tmp_path / f"depth/{i}.tiff", DEPTH)  # floats are metres
+    check(tmp_path, 2)
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("ms", 10**6), ("us", 10**3), ("ns", 1)])
+def test_names_that_are_stamps_are_paired_by_time(unit: str, factor: int, tmp_path: Path) -> None:
+    start, period = 1_700_000_000_000_000_000, 33_000_000
+    for i in range(3):
+        write(tmp_path / f"rgb/{(start + i * period) // factor}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"depth/{(start + i * period + 4_000_000) // factor}.png", units(1000))
+    write(tmp_path / f"rgb/{(start + 9 * period) // factor}.png", colour_image(200))
+    (tmp_path / "camera.toml").write_text(CAMERA)
+    (tmp_path / "groundtruth.txt").write_text("1700000000.0 0 0 0 0 0 0 1\n")
+    source = check(tmp_path, 3, poses=1)
+    assert [frame.stamp_ns for frame in source] == [start + i * period for i in range(3)]
+    assert source.notes[0].startswith("3 pairs of 4 colour and 3 depth images, depth +4 ms")
+
+
+def test_stamps_without_a_common_time_are_named(tmp_path: Path) -> None:
+    write(tmp_path / "rgb/1700000000000000000.png", colour_image(10))
+    write(tmp_path / "depth/1700000100000000000.png", units(1000))
+    (tmp_path / "camera.toml").write_text(CAMERA)
+    with pytest.raises(edvo.Error, match=r"\+100\.000 s from colour"):
+        edvo.open_source(tmp_path)
+
+
+@pytest.mark.parametrize(("colour", "depth"), [("RGB", "Depth"), ("images", "depth_images")])
+def test_other_names_of_folders(colour: str, depth: str, tmp_path: Path) -> None:
+    for i in range(2):
+        write(tmp_path / f"{colour}/{i}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"{depth}/{i}.png", units(1000))
+    (tmp_path / "camera.toml").write_text(CAMERA)
+    check(tmp_path, 2)
+
+
+def test_depth_as_jpeg_is_refused(tmp_path: Path) -> None:
+    for kind in ("rgb", "depth"):
+        write(tmp_path / f"{kind}/0.jpg", colour_image(10))
+    with pytest.raises(edvo.Error, match="depth as JPEG, a picture of depth"):
+        edvo.open_source(tmp_path)
+
+
+def test_a_depth_camera_of_another_size_is_refused(tmp_path: Path) -> None:
+    write(tmp_path / "rgb/0.png", colour_image(10))
+    write(tmp_path / "depth/0.png", np.full((24, 32), 2000, np.uint16))
+    (tmp_path / "depth.txt.cal").write_text("60 60 31.5 23.5\n")
+    camera = edvo.Camera(60, 60, 31.5, 23.5, WIDTH, HEIGHT)
+    for wrong in (camera, tmp_path / "depth.txt.cal"):
+        with pytest.raises(edvo.Error, match="--depth-camera.* for (about )?64 x 48 px"):
+            edvo.open_source(tmp_path, camera=camera, depth_camera=wrong)
+
+
 def test_depth_of_a_camera_of_its_own(tmp_path: Path) -> None:
     write(tmp_path / "rgb/0.png", colour_image(10))
     write(tmp_path / "depth/0.png", np.full((24, 32), 2000, np.uint16))

@@ -23,9 +23,8 @@ from edvo.sources.live import LiveSource
 from edvo.sources.oak import OakSource
 from edvo.sources.openni import OpenNiSource
 from edvo.sources.pairs import (
-    find_folders,
-    images_in,
     is_nyu_raw,
+    needs_python,
     open_pairs,
     refuse_nyu_raw,
 )
@@ -61,16 +60,6 @@ def open_camera(name: str, camera: Camera | str | Path | None) -> LiveSource:
     if kind not in CAMERAS:
         raise Error(f"{name}: no such camera; known: {', '.join(CAMERA + k for k in CAMERAS)}", code=2)
     return CAMERAS[kind](serial, camera)
-
-
-def needs_python(path: Path) -> bool:
-    """The images are in formats that only Python reads."""
-    folders = find_folders(path)
-    if folders is None:
-        return False
-    return not images_in(folders[1], (".png",)) or not images_in(
-        folders[0], (".png", ".jpg", ".jpeg")
-    )
 
 
 def read_by_core(path: str | Path) -> bool:

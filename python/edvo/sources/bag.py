@@ -17,11 +17,12 @@ from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources import messages
-from edvo.sources.bag_cameras import Size, check_size, info_camera
+from edvo.sources.bag_cameras import info_camera
 from edvo.sources.bag_reader import open_bag
 from edvo.sources.bag_topics import choose_topics, left_out, nearest_info
 from edvo.sources.base import Arrays, Frame, Source
-from edvo.sources.pairing import Message, Topics, count_pairs, messages_of, pair, reads
+from edvo.sources.depth_cameras import Size, check_size, read_depth_camera
+from edvo.sources.pairing import Message, Topics, messages_of, pair, pair_bag, reads
 from edvo.sources.references import find_reference
 from edvo.sources.transforms import TransformTree
 
@@ -64,13 +65,14 @@ class BagSource(Source):
             self._choose_units(reader, first[self._depth])
             self._choose_cameras(reader, camera, first)
             self._find_truth(reader, first[self._colour].header.frame_id)
-            pairing = count_pairs(reader, Topics(self._colour, self._depth), self._path)
+            topics = Topics(self._colour, self._depth)
+            pairing, pairs = pair_bag(reader, topics, self._path)
             self._topics, self.stamps_ns = pairing.topics, pairing.stamps_ns
             self.frames = len(self.stamps_ns)
             self.depth_delay_ns = pairing.depth_delay_ns
         self.origin = f"{path} ({self._colour}, {self._depth})"
         said = f"colour from {self._colour}, depth from {self._depth}"
-        self.notes[:0] = [note for note in (said, left_out(first, chosen), pairing.note) if note]
+        self.notes[:0] = [note for note in (said, left_out(first, chosen), pairs) if note]
 
     def _choose_units(self, reader: Any, message: Any) -> None:
         if self._units is not None:
@@ -122,8 +124,7 @@ class BagSource(Source):
     ) -> DepthRegistration | None:
         """None where depth, of a width and height, is registered already."""
         if self._depth_camera is not None:
-            own = read_scaled(self._depth_camera, (0, 0), size)
-            check_size(own, size, "the depth camera (--depth-camera)")
+            own = read_depth_camera(self._depth_camera, size)
             self.notes.append("depth is registered to colour here, as given")
             return DepthRegistration(own, self.camera, self._given_motion)
         same_size = size == (self.camera.width, self.camera.height)

@@ -8,8 +8,7 @@ from typing import Any
 from edvo.camera import Camera
 from edvo.errors import Error
 from edvo.sources import messages
-
-Size = tuple[int, int]  # width, height [px]
+from edvo.sources.depth_cameras import Size
 
 
 def info_camera(message: Any, info: str, images: str, size: Size, calibrated: Size, flag: str) -> Camera:
@@ -36,14 +35,3 @@ def info_camera(message: Any, info: str, images: str, size: Size, calibrated: Si
         f"cropped, their own calibration with {flag} FILE",
         code=5,
     )
-
-
-def check_size(camera: Camera, size: Size, what: str) -> Camera:
-    """The camera, if it is for images of that size. ``what``: "depth camera (--depth-camera F)"."""
-    if (camera.width, camera.height) != size:
-        raise Error(
-            f"{what} is for {camera.width} x {camera.height} px, but the images are "
-            f"{size[0]} x {size[1]}; if they were resized, scale it (Camera.scaled_to)",
-            code=5,
-        )
-    return camera

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo import _core
-from edvo.camera import Camera, from_tuple, read_scaled
+from edvo.camera import Camera, from_tuple
 from edvo.registration import DepthRegistration
 from edvo.sources.base import Arrays, Frame, Source
+from edvo.sources.depth_cameras import read_depth_camera
 from edvo.trajectory import Trajectory
 
 
@@ -69,7 +70,7 @@ class FolderSource(Source):
             self.ground_truth_origin = self._info["ground_truth_origin"]
         self.registration: DepthRegistration | None = None
         if depth_camera is not None:
-            own_depth = read_scaled(depth_camera, (0, 0), self._folder.depth_size)
+            own_depth = read_depth_camera(depth_camera, self._folder.depth_size)
             self.registration = DepthRegistration(own_depth, self.camera, colour_from_depth)
             self.notes.append("depth is registered to colour here")
 

@@ -96,32 +96,49 @@ def match(colours: deque[Message], depths: deque[Message]) -> Iterator[tuple[Mes
 @dataclass(frozen=True)
 class Pairing:
     topics: Topics
-    stamps_ns: NDArray[np.int64]  # of the colour images that have depth
-    depth_delay_ns: int  # median of depth's stamps less colour's
-    note: str
+    pairs: list[tuple[Message, Message]]
+
+    @property
+    def stamps_ns(self) -> NDArray[np.int64]:
+        """Of the colour images that have depth."""
+        return np.array([colour.stamp_ns for colour, _ in self.pairs], np.int64)
+
+    @property
+    def depth_delay_ns(self) -> int:
+        """Median of depth's stamps less colour's."""
+        return int(np.median([depth.stamp_ns - colour.stamp_ns for colour, depth in self.pairs]))
+
+    def note(self, colours: int, depths: int) -> str:
+        text = (
+            f"{len(self.pairs)} pairs of {colours} colour and {depths} depth images, "
+            f"depth {1e-6 * self.depth_delay_ns:+.0f} ms from colour (median)"
+        )
+        if self.topics.by_arrival:
+            text += "; the headers have no time, so it is that at which messages were recorded"
+        return text
 
 
-def count_pairs(reader: Any, topics: Topics, path: Path) -> Pairing:
-    """Reads the stamps of all images. Raises edvo.Error where there is no pair."""
+def pairing_of(messages: list[Message], topics: Topics, mend: str) -> Pairing:
+    """Raises edvo.Error where there is no pair; ``mend`` says what helps."""
+    pairs = list(pair(messages))
+    if not pairs:
+        raise Error(f"{say_no_pair(topics, messages)}; {mend}", code=3)
+    return Pairing(topics, pairs)
+
+
+def pair_bag(reader: Any, topics: Topics, path: Path) -> tuple[Pairing, str]:
+    """From the stamps of all images, with a note."""
     stamped = stamps_of(reader, topics)
-    if not any(m.stamp_ns for m in stamped if m.is_colour) or not any(
-        m.stamp_ns for m in stamped if not m.is_colour
-    ):
+    if any(not any(m.stamp_ns for m in stamped if m.is_colour == kind) for kind in (True, False)):
         topics = Topics(topics.colour, topics.depth, by_arrival=True)
         stamped = stamps_of(reader, topics)
-    pairs = [(colour.stamp_ns, depth.stamp_ns) for colour, depth in pair(stamped)]
-    colours = [m.stamp_ns for m in stamped if m.is_colour]
-    depths = [m.stamp_ns for m in stamped if not m.is_colour]
-    if not pairs:
-        raise Error(f"{path}: {say_no_pair(topics, colours, depths)}", code=3)
-    delay = int(np.median([depth - colour for colour, depth in pairs]))
-    note = (
-        f"{len(pairs)} pairs of {len(colours)} colour and {len(depths)} depth images, "
-        f"depth {1e-6 * delay:+.0f} ms from colour (median)"
-    )
-    if topics.by_arrival:
-        note += "; the headers have no time, so it is that at which messages were recorded"
-    return Pairing(topics, np.array([colour for colour, _ in pairs], np.int64), delay, note)
+    mend = "record both with one clock, or choose others with --colour-topic and --depth-topic"
+    try:
+        pairing = pairing_of(stamped, topics, mend)
+    except Error as error:
+        raise Error(f"{path}: {error}", error.code) from None
+    colours = sum(message.is_colour for message in stamped)
+    return pairing, pairing.note(colours, len(stamped) - colours)
 
 
 def stamps_of(reader: Any, topics: Topics) -> list[Message]:
@@ -129,17 +146,17 @@ def stamps_of(reader: Any, topics: Topics) -> list[Message]:
     return [Message(m.is_colour, m.stamp_ns, lambda: None) for m in messages_of(reader, topics)]
 
 
-def say_no_pair(topics: Topics, colours: list[int], depths: list[int]) -> str:
-    """``colours``, ``depths``: stamps [ns]."""
+def say_no_pair(topics: Topics, messages: list[Message]) -> str:
+    colours = [m.stamp_ns for m in messages if m.is_colour]
+    depths = [m.stamp_ns for m in messages if not m.is_colour]
+    if not colours or not depths:
+        return f"no image of {topics.depth if colours else topics.colour}"
 
     def span(topic: str, stamps: list[int]) -> str:
         return f"{topic} has {len(stamps)} from {1e-9 * min(stamps):.3f} to {1e-9 * max(stamps):.3f} s"
 
-    if not colours or not depths:
-        return f"no image of {topics.depth if colours else topics.colour}"
-    offset = 1e-9 * (min(depths) - min(colours))
     return (
         f"no colour image has depth within {1e-6 * LARGEST_GAP_NS:.0f} ms: "
-        f"{span(topics.colour, colours)}, {span(topics.depth, depths)}, {offset:+.3f} s from "
-        "colour; record both with one clock, or choose others with --colour-topic and --depth-topic"
+        f"{span(topics.colour, colours)}, {span(topics.depth, depths)}, "
+        f"{1e-9 * (min(depths) - min(colours)):+.3f} s from colour"
     )

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +14,17 @@ from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.registration import DepthRegistration
 from edvo.sources.base import metres
+from edvo.sources.depth_cameras import read_depth_camera
 from edvo.sources.image_files import COLOUR_SUFFIXES, DEPTH_SUFFIXES, read_colour, read_depth
+from edvo.sources.image_stamps import have_stamps, pair_by_name
 from edvo.sources.listed import Entry, ListedSource
+from edvo.trajectory import Trajectory
 
 COLOUR_FOLDERS = ("rgb", "color", "colour", "image", "images")
-DEPTH_FOLDERS = ("depth", "depths")
+DEPTH_FOLDERS = ("depth", "depths", "depth_image", "depth_images")
+LISTS = ("rgb.txt", "depth.txt", "assoc*.txt")  # say stamps and pairs themselves
+PICTURES = (".jpg", ".jpeg")  # of depth
+SCALE = re.compile(r"^\s*(?:depth_scale|(?:RGBD\.)?DepthMapFactor)\s*[:=]\s*([\d.eE+]+)", re.MULTILINE)
 RATE = 30.0  # [Hz] of images without stamps
 NYU = re.compile(r"^[rd]-\d+\.\d+-\d+\.p[pg]m$")
 
@@ -42,9 +48,74 @@ def images_in(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
 
 
 def find_folders(path: Path) -> tuple[Path, Path] | None:
-    colour = next((path / name for name in COLOUR_FOLDERS if (path / name).is_dir()), None)
-    depth = next((path / name for name in DEPTH_FOLDERS if (path / name).is_dir()), None)
+    """Of colour and depth; their names may have capitals."""
+    try:
+        folders = {file.name.lower(): file for file in sorted(path.iterdir()) if file.is_dir()}
+    except OSError:
+        return None  # the C++ library says why it cannot be read
+    colour = next((folders[name] for name in COLOUR_FOLDERS if name in folders), None)
+    depth = next((folders[name] for name in DEPTH_FOLDERS if name in folders), None)
     return (colour, depth) if colour and depth else None
+
+
+def needs_python(path: Path) -> bool:
+    """Two folders of images that the C++ library does not know by name, format or stamps."""
+    folders = find_folders(path)
+    if folders is None or any(next(path.glob(name), None) for name in LISTS):
+        return False
+    colours, depths = images_in(folders[0], COLOUR_SUFFIXES), images_in(folders[1], DEPTH_SUFFIXES)
+    is_known = folders[0].name in COLOUR_FOLDERS and folders[1].name in DEPTH_FOLDERS[:2]
+    if not is_known or not any(f.suffix.lower() == ".png" for f in depths):
+        return True
+    if not any(f.suffix.lower() in (".png", *PICTURES) for f in colours):
+        return True
+    return have_stamps(colours, depths)
+
+
+def stated_scale(file: Path | None) -> float | None:
+    """Depth units per metre that a camera file states."""
+    if file is None:
+        return None
+    found = SCALE.search(file.read_text(encoding="utf-8", errors="replace"))
+    return float(found[1]) if found else None
+
+
+def choose_units(
+    given: float | None, file: Path | None, is_float: bool
+) -> tuple[float, str]:
+    """Units per metre, and why."""
+    if given is not None:
+        return given, f"depth in {given:g} units per metre, as given"
+    if is_float:
+        return 1.0, "depth in metres (float)"
+    stated = stated_scale(file)
+    if stated and file is not None:
+        return stated, f"depth in {stated:g} units per metre (depth_scale in {file.name})"
+    return 1000.0, "depth in 1000 units per metre (assumed; --depth-scale says otherwise)"
+
+
+def pair_files(path: Path, folders: tuple[Path, Path]) -> tuple[list[tuple[int, Path, Path]], int, str]:
+    """Stamp [ns] and both files of each frame, the delay of depth [ns], and how they were paired."""
+    colours = images_in(folders[0], COLOUR_SUFFIXES)
+    depths = images_in(folders[1], DEPTH_SUFFIXES)
+    if not depths and images_in(folders[1], PICTURES):
+        raise Error(
+            f"{folders[1]}: depth as JPEG, a picture of depth of 8 bits, blurred at its edges; record "
+            "16-bit PNG or TIFF",
+            code=3,
+        )
+    if colours and depths and have_stamps(colours, depths):
+        frames, pairing = pair_by_name(colours, depths)
+        note = pairing.note(len(colours), len(depths)) + ", by the stamps in their names"
+        return frames, pairing.depth_delay_ns, note
+    if not colours or len(colours) != len(depths):
+        raise Error(
+            f"{path}: {len(colours)} colour and {len(depths)} depth images; as many of each are "
+            "needed where their names are not stamps",
+            code=3,
+        )
+    numbered = [(round(1e9 * i / RATE), c, d) for i, (c, d) in enumerate(zip(colours, depths))]
+    return numbered, 0, f"no time stamps, so {RATE:g} frames per second are assumed"
 
 
 def open_pairs(
@@ -55,60 +126,46 @@ def open_pairs(
     depth_camera: Camera | str | Path | None = None,
     colour_from_depth: NDArray[np.float64] | None = None,
 ) -> ListedSource:
-    """Images of the same order in both folders; depth may be of a camera of its own."""
+    """Images of the same stamps or order in both folders; depth may be of a camera of its own."""
     folders = find_folders(path)
     if folders is None:
         raise Error(f"{path}: no folders of colour and depth images", code=3)
-    colours = images_in(folders[0], COLOUR_SUFFIXES)
-    depths = images_in(folders[1], DEPTH_SUFFIXES)
-    if not colours or len(colours) != len(depths):
-        raise Error(
-            f"{path}: {len(colours)} colour and {len(depths)} depth images; as many of each are "
-            "needed where their names are not stamps",
-            code=3,
-        )
-    first_depth = read_depth(depths[0])
-    is_float = first_depth.dtype == np.float32
-    units = depth_scale or (1.0 if is_float else 1000.0)
-    rgb = read_colour(colours[0])
-    size = (rgb.shape[1], rgb.shape[0])
-    depth_size = (first_depth.shape[1], first_depth.shape[0])
-    chosen, origin = choose_camera(path, camera, camera_size, size)
+    frames, delay, paired = pair_files(path, folders)
+    _, first_colour, first = frames[0]
+    raw, rgb = read_depth(first), read_colour(first_colour)
+    size, depth_size = (rgb.shape[1], rgb.shape[0]), (raw.shape[1], raw.shape[0])
+    chosen, origin, file = choose_camera(path, camera, camera_size, size)
+    units, said = choose_units(depth_scale, file, raw.dtype == np.float32)
     registration = None
     if depth_camera is not None:
-        own = read_scaled(depth_camera, (0, 0), depth_size)
+        own = read_depth_camera(depth_camera, depth_size)
         registration = DepthRegistration(own, chosen, colour_from_depth)
     elif depth_size != size:
         raise Error(
-            f"{depths[0]}: depth of {depth_size[0]} x {depth_size[1]} px, colour of {size[0]} x "
+            f"{first}: depth of {depth_size[0]} x {depth_size[1]} px, colour of {size[0]} x "
             f"{size[1]} px; --depth-camera FILE and --colour-from-depth FILE say how they belong "
             "together",
             code=3,
         )
-
-    def colour(file: Path) -> Callable[[], NDArray[np.uint8]]:
-        return lambda: read_colour(file)
-
-    def depth(file: Path) -> Callable[[], NDArray[np.float32]]:
-        return lambda: metres(read_depth(file), units)
-
     source = ListedSource(
-        [
-            Entry(round(1e9 * i / RATE), colour(c), depth(d))
-            for i, (c, d) in enumerate(zip(colours, depths))
-        ],
+        [Entry(stamp, partial(read_colour, c), partial(read_metres, d, units)) for stamp, c, d in frames],
         registration,
     )
     source.name = path.name
     source.origin = f"{path} (images in {folders[0].name} and {folders[1].name})"
     source.camera, source.camera_origin = chosen, origin
-    source.notes.append(f"no time stamps, so {RATE:g} frames per second are assumed")
-    source.notes.append(
-        f"depth in {'metres (float)' if is_float and depth_scale is None else f'{units:g} units per metre'}"
-    )
+    source.depth_delay_ns = delay
+    source.notes += [paired, said]
+    if (path / "groundtruth.txt").is_file():
+        source.ground_truth = Trajectory.read(path / "groundtruth.txt")
+        source.ground_truth_origin = str(path / "groundtruth.txt")
     if registration is not None:
         source.notes.append("depth is registered to colour here")
     return source
+
+
+def read_metres(file: Path, units: float) -> NDArray[np.float32]:
+    return metres(read_depth(file), units)
 
 
 def choose_camera(
@@ -116,10 +173,13 @@ def choose_camera(
     camera: Camera | str | Path | None,
     camera_size: tuple[int, int],
     size: tuple[int, int],
-) -> tuple[Camera, str]:
+) -> tuple[Camera, str, Path | None]:
+    """With where it is from, in words and as a file."""
     if camera is not None:
-        return read_scaled(camera, camera_size, size), "as given"
+        file = None if isinstance(camera, Camera) else Path(camera)
+        return read_scaled(camera, camera_size, size), "as given", file
     for name in ("camera.toml", "camera.yaml", "calibration.txt", "intrinsics.txt"):
         if (path / name).is_file():
-            return Camera.read(path / name, *size), f"{path / name}, which is in the folder"
+            chosen = read_scaled(path / name, camera_size, size)
+            return chosen, f"{path / name}, which is in the folder", path / name
     raise Error(f"{path}: the camera is not known; give it with --camera FILE", code=5)
