@@ -216,6 +216,15 @@ def test_floats_in_millimetres_are_mended_as_the_doctor_says(
         assert np.allclose(frame.depth, original.depth, equal_nan=True)
 
 
+def test_the_doctor_names_the_likely_scale_of_a_bag(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    tenths = lambda f: (np.nan_to_num(np.round(f.depth * 10000)).astype(np.uint16), "16UC1")  # noqa: E731
+    path = record("mcap", tmp_path, camera, frames[:6], tenths)
+    (finding,) = [f for f in edvo.diagnose(path) if f.fault == "depth_scale"]
+    assert "--depth-scale 10000 would" in finding.advice
+
+
 def test_compressed_images_and_both_kinds_of_compressed_depth(
     tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
 ) -> None:

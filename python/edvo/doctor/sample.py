@@ -106,6 +106,7 @@ def take(source: Source, size: Size = THOROUGH) -> Sample:
         sample.units_per_metre = source.units_per_metre
     elif isinstance(source, BagSource):
         sample.stamps_ns = source.stamps_ns
+        sample.units_per_metre = source.units_per_metre
     elif isinstance(source, ListedSource):
         sample.stamps_ns = np.array([entry.stamp_ns for entry in source.entries], np.int64)
     sample.unreadable = unreadable

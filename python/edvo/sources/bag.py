@@ -56,7 +56,7 @@ class BagSource(Source):
         self._given_motion = colour_from_depth
         self._path = Path(path)
         self.name = self._path.stem
-        self._units = depth_scale
+        self.units_per_metre = depth_scale  # None: of floats, which are metres
         with open_bag(self._path) as reader:
             first = first_messages(reader, IMAGES)
             chosen = choose_topics(reader, first, colour_topic, depth_topic, self._path)
@@ -75,8 +75,8 @@ class BagSource(Source):
         self.notes[:0] = [note for note in (said, left_out(first, chosen), pairs) if note]
 
     def _choose_units(self, reader: Any, message: Any) -> None:
-        if self._units is not None:
-            self.notes.append(f"depth: {self._units} units per metre (as given)")
+        if self.units_per_metre is not None:
+            self.notes.append(f"depth: {self.units_per_metre} units per metre (as given)")
             return
         compressed = getattr(message, "format", "").startswith("32FC1")
         if compressed or getattr(message, "encoding", "") == "32FC1":
@@ -86,10 +86,10 @@ class BagSource(Source):
             if "Depth_Units" in name or "Depth Units" in name:
                 if topic.msgtype and topic.msgtype.endswith("Float32"):
                     value = float(first_message(reader, name).data)
-                    self._units = float(np.float32(1) / np.float32(value))
-                    self.notes.append(f"depth: {self._units:g} units per metre ({name})")
+                    self.units_per_metre = float(np.float32(1) / np.float32(value))
+                    self.notes.append(f"depth: {self.units_per_metre:g} units per metre ({name})")
                     return
-        self._units = messages.MILLIMETRES
+        self.units_per_metre = messages.MILLIMETRES
         self.notes.append("depth: millimetres (16-bit; --depth-scale says otherwise)")
 
     def _choose_cameras(
@@ -97,7 +97,7 @@ class BagSource(Source):
     ) -> None:
         colour = first_decoded(reader, self._colour, messages.decode_colour)
         depth = first_decoded(
-            reader, self._depth, lambda message: messages.decode_depth(message, self._units)
+            reader, self._depth, lambda message: messages.decode_depth(message, self.units_per_metre)
         )
         info = nearest_info(reader, self._colour)
         size = (colour.shape[1], colour.shape[0])
@@ -204,7 +204,7 @@ class BagSource(Source):
 
     def _frame(self, colour: Message, depth: Message) -> Frame:
         with naming(self._depth):
-            metric = messages.decode_depth(depth.read(), self._units)
+            metric = messages.decode_depth(depth.read(), self.units_per_metre)
         if self._registration is not None:
             metric = self._registration(metric)
         with naming(self._colour):
