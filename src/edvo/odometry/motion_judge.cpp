@@ -39,6 +39,12 @@ constexpr double kStill = 0.003;
 constexpr double kClearly = 1.5, kBeyondDoubt = 2.5;
 constexpr double kSuddenWeight = 0.4;  // beside the share that is unexplained
 
+// Depth refutes a motion that is kMostSudden off if hardly any of it fits and some is elsewhere by
+// a seventh, or if half of it fits at most and the images correlate little: see docs/adr/0016.
+constexpr double kHardlyFits = 0.3, kElsewhere = 0.15;
+constexpr double kHalfFits = 0.5, kLittleAlike = 0.55;
+constexpr int kTellingDepths = 30;
+
 constexpr std::size_t kLeastPoints = 50;  // for an alignment
 constexpr int kLeastDepths = 20, kLeastRestDepths = 9;
 constexpr int kLevels = 3;  // that a second motion is aligned at
@@ -200,6 +206,17 @@ MotionSupport support_within(double largest, const Reference& reference, const F
                         {.intensity = static_cast<float>(largest),
                          .depth = static_cast<float>(kFits * options.depth_noise)},
                         scratch);
+}
+
+bool is_refuted_by_depth(const AlignResult& result, const Reference& reference, const Frame& frame,
+                         const SE3& predicted, const AlignOptions& options, AlignScratch& scratch) {
+  const SE3& motion = result.alignment.cur_from_ref;
+  if (mean_flow(reference, options.finest_level, motion, predicted) < kMostSudden) return false;
+  const MotionSupport support =
+      support_within(kMostLimit, reference, frame, result.alignment, options, scratch);
+  if (support.depths < kTellingDepths) return false;
+  return (support.depth < kHardlyFits && support.nearer + support.farther > kElsewhere) ||
+         (support.depth < kHalfFits && result.correlation < kLittleAlike);
 }
 
 JudgedMotion judge_motion(const AlignResult& first, const MotionEvidence& evidence,

@@ -47,6 +47,13 @@ struct MotionEvidence {
                                            const Frame& frame, const Alignment& alignment,
                                            const AlignOptions& options, AlignScratch& scratch);
 
+// Whether a motion far off the predicted cur_from_ref is refuted by depth: hardly any surface is
+// where it would be then. Intensities alone fit a pattern that repeats, or little texture, in many
+// places.
+[[nodiscard]] bool is_refuted_by_depth(const AlignResult& result, const Reference& reference,
+                                       const Frame& frame, const SE3& predicted,
+                                       const AlignOptions& options, AlignScratch& scratch);
+
 [[nodiscard]] JudgedMotion judge_motion(const AlignResult& first, const MotionEvidence& evidence,
                                         const AlignOptions& options, AlignScratch& scratch);
 

@@ -55,6 +55,18 @@ AlignResult align_by_rows(const Segment& segment, Frame& frame, const Alignment&
   return result;
 }
 
+// Why a frame that was aligned so is lost, if it is.
+LossCause cause_of(const AlignResult& result, const Segment& segment, const Frame& frame,
+                   const SE3& velocity, const AlignOptions& options, AlignScratch& scratch) {
+  const TrackingState& state = segment.state;
+  const LossCause cause = loss_cause(result, options, state, frame.stamp);
+  if (cause != LossCause::kNone) return cause;
+  const SE3 predicted = velocity * state.alignment.cur_from_ref;
+  return is_refuted_by_depth(result, segment.reference, frame, predicted, options, scratch)
+             ? LossCause::kOutliers
+             : LossCause::kNone;
+}
+
 // A search from far guesses, wherever the views still overlap: the alignment of least residuals.
 AlignResult align_from_afar(const Segment& segment, const Frame& frame, const SE3& velocity,
                             const Config& config, AlignScratch& scratch) {
@@ -145,13 +157,13 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const RestTest rest =
       test_rest(result, segment.reference, frame, sigma_baseline(state), config.tracking, scratch);
   if (rest.alignment) result = *rest.alignment;
-  LossCause loss = loss_cause(result, config.tracking, state, frame.stamp);
+  LossCause loss = cause_of(result, segment, frame, velocity, config.tracking, scratch);
   const LossCause fault = loss == LossCause::kNone ? loss : image_fault(frame, config.selection);
   if (fault != LossCause::kNone) {
     loss = fault;
   } else if (loss != LossCause::kNone) {
     const AlignResult far = align_from_afar(segment, frame, velocity, config, scratch);
-    const LossCause far_loss = loss_cause(far, config.tracking, state, frame.stamp);
+    const LossCause far_loss = cause_of(far, segment, frame, velocity, config.tracking, scratch);
     if (far_loss == LossCause::kNone) {
       result = far;
       loss = far_loss;
