@@ -171,9 +171,20 @@ def require_new(option: str, file: str | Path, force: bool) -> None:
         )
 
 
+def width_and_height(text: str) -> tuple[int, int]:
+    width, cross, height = text.partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text}: WIDTHxHEIGHT is expected, such as 1280x720")
+    return int(width), int(height)
+
+
 def add_source_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("source", metavar="SOURCE", help="folder, archive, bag, phone's recording or camera:KIND")
     parser.add_argument("--camera", metavar="FILE", help="calibration of the colour camera")
+    parser.add_argument(
+        "--camera-size", type=width_and_height, default=(0, 0), metavar="WxH",
+        help="of the images that the calibration is for, if they were resized",
+    )  # fmt: skip
     parser.add_argument("--depth-scale", type=float, metavar="UNITS", help="depth units per metre")
     for name, kind, text in SOURCE_OPTIONS:
         parser.add_argument(name, metavar=kind, help=text)
@@ -188,6 +199,7 @@ def open_named(arguments: argparse.Namespace) -> Source:
     return open_source(
         arguments.source,
         camera=arguments.camera,
+        camera_size=arguments.camera_size,
         depth_scale=arguments.depth_scale,
         **source_options(given),
     )

@@ -68,6 +68,7 @@ def test_unknown_words_are_explained_as_the_program_does() -> None:
     assert result.returncode == 2 and result.stderr.startswith("edvo: ")
     assert "--depth-topic" in edvo_command("run", "--help").stdout
     assert "usage: edvo doctor" in edvo_command("doctor", "--help").stdout
+    assert "1280x720" in edvo_command("doctor", "X", "--camera-size", "1280").stderr
 
 
 def test_topics_of_what_is_no_bag_are_refused(sequence: Path) -> None:

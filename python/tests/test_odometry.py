@@ -394,6 +394,15 @@ def test_what_a_source_raised_is_the_cause(camera: edvo.Camera, frames: list[edv
     assert caught.value.__cause__.__traceback__ is not None
 
 
+def test_a_source_that_gives_no_frames_is_named(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from conftest import Memory
+
+    with pytest.raises(edvo.Error, match="Memory: __iter__ gave tuple, but edvo.Frame"):
+        edvo.run(Memory(camera, [(1, frames[0].rgb, frames[0].depth)]))  # type: ignore[list-item]
+
+
 @pytest.mark.parametrize("stamp", [0.1, np.float64(0.1), "0.1"])
 def test_stamps_of_frames_are_whole_nanoseconds(
     stamp: object, camera: edvo.Camera, frames: list[edvo.Frame]

@@ -32,7 +32,8 @@ class Source(ABC):
     """A sequence of frames in the order of their stamps; iterate over it.
 
     Subclass it for a sensor or a format of your own: set the attributes and write ``__iter__``.
-    What ``__iter__`` raises ends a run; a frame whose arrays do not fit the camera is skipped.
+    What ``__iter__`` raises ends a run; a frame whose arrays do not fit the camera is skipped. A
+    frame is copied before the next one is asked for: the same arrays may be filled again.
     """
 
     name: str = "sequence"  # short, also names the run's folder
@@ -67,6 +68,11 @@ class Source(ABC):
     def _pending(self) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
         """Stamp [ns], decimals and what loads the arrays of each frame."""
         for frame in self:
+            if not isinstance(frame, Frame):
+                raise TypeError(
+                    f"{type(self).__name__}: __iter__ gave {type(frame).__name__}, but edvo.Frame is "
+                    "expected"
+                )
             yield frame.stamp_ns, frame.decimals, self._loader(lambda frame=frame: frame)  # type: ignore[misc]
 
     def _loader(self, read: Callable[[], Frame]) -> Callable[[], Arrays]:
