@@ -49,7 +49,7 @@ TEST(RunEvaluation, TellsTheScaleOfAWrongDepthScale) {
   EXPECT_NEAR(evaluation.scaled_ate, 0, 1e-9);
   const auto warning = warn_of_scale(evaluation, source_with(5000));
   ASSERT_TRUE(warning);
-  EXPECT_THAT(*warning, AllOf(HasSubstr("scaled by 5"), HasSubstr("(assumed)"),
+  EXPECT_THAT(*warning, AllOf(HasSubstr("scaled by 5"), HasSubstr("(assumed; "),
                               HasSubstr("--depth-scale 1000")));
 }
 

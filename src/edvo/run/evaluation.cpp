@@ -98,7 +98,8 @@ std::optional<std::string> warn_of_scale(const RunEvaluation& evaluation,
   const double usual = nearest_usual_scale(wanted);
   return fmt::format(
       "the motion must be scaled by {:.4g} to fit the ground truth (ATE {:.4g} m instead of {:.4g} "
-      "m): the depth scale is probably wrong ({}); try --depth-scale {:.6g}",
+      "m): the depth scale is probably wrong ({}; try --depth-scale {:.6g}), or depth is not "
+      "registered to colour",
       scale, evaluation.scaled_ate, evaluation.final_poses.ate, source.depth_origin,
       usual == source.depth_scale ? wanted : usual);
 }
