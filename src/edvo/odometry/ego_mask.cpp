@@ -31,6 +31,8 @@ constexpr double kChangedShare = 0.1;
 constexpr int kVotes = 2;      // frames that a cell has to rest in
 constexpr int kMostVotes = 6;  // as many moves, less one per rest, and it is released
 
+constexpr int kPause = 2;  // frames that are passed over while hardly any cell rests: it costs time
+
 // Relative to the depth before: the same, and another one.
 constexpr float kSameDepth = 0.03F, kOtherDepth = 0.08F;
 constexpr float kNearer = 0.8F;  // than what changes: something carried, and no background
@@ -57,15 +59,17 @@ struct Difference {
 Difference compare(const cv::Mat_<std::uint8_t>& a, const cv::Mat_<std::uint8_t>& b,
                    const cv::Rect& cell) {
   int sum_a = 0, sum_b = 0, aa = 0, bb = 0, ab = 0;
-  for (int y = cell.y; y < cell.y + cell.height; ++y)
-    for (int x = cell.x; x < cell.x + cell.width; ++x) {
-      const int p = a(y, x), q = b(y, x);
+  for (int y = cell.y; y < cell.y + cell.height; ++y) {
+    const std::uint8_t *row_a = a[y] + cell.x, *row_b = b[y] + cell.x;
+    for (int x = 0; x < cell.width; ++x) {
+      const int p = row_a[x], q = row_b[x];
       sum_a += p;
       sum_b += q;
       aa += p * p;
       bb += q * q;
       ab += p * q;
     }
+  }
   const float n = static_cast<float>(cell.area());
   const float mean_a = static_cast<float>(sum_a) / n, mean_b = static_cast<float>(sum_b) / n;
   const float of_a = static_cast<float>(aa) / n - mean_a * mean_a;
@@ -80,16 +84,17 @@ Difference compare(const cv::Mat_<std::uint8_t>& a, const cv::Mat_<std::uint8_t>
 // changes per pixel of shift, in the direction in which it changes least (Shi and Tomasi).
 float structure(const cv::Mat_<std::uint8_t>& image, const cv::Rect& cell) {
   float xx = 0, xy = 0, yy = 0;
-  for (int y = cell.y; y + 1 < cell.y + cell.height; ++y)
-    for (int x = cell.x; x + 1 < cell.x + cell.width; ++x) {
-      const int p = image(y, x), right = image(y, x + 1), below = image(y + 1, x),
-                across = image(y + 1, x + 1);
+  for (int y = cell.y; y + 1 < cell.y + cell.height; ++y) {
+    const std::uint8_t *row = image[y] + cell.x, *next = image[y + 1] + cell.x;
+    for (int x = 0; x + 1 < cell.width; ++x) {
+      const int p = row[x], right = row[x + 1], below = next[x], across = next[x + 1];
       const float dx = 0.5F * static_cast<float>(right - p + across - below);
       const float dy = 0.5F * static_cast<float>(below - p + across - right);
       xx += dx * dx;
       xy += dx * dy;
       yy += dy * dy;
     }
+  }
   const float n = static_cast<float>((cell.width - 1) * (cell.height - 1));
   const float mean = 0.5F * (xx + yy), apart = 0.5F * (xx - yy);
   return (mean - std::sqrt(apart * apart + xy * xy)) / n;
@@ -167,27 +172,37 @@ bool EgoMask::observe(const Frame& frame) {
     begin(image, frame.depth);
     return false;
   }
+  if (pause_ > 0) {
+    --pause_;
+    return false;
+  }
   const std::optional<float> beyond = depth_of_change(image, frame.depth);
   if (!beyond) return false;
   image.copyTo(last_);
 
   Rest seen;
+  int candidates = 0;  // cells at rest, if only in this frame
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     const cv::Rect pixels = pixels_of(cell, image.size());
     const Difference difference = compare(since_, image, pixels);
-    const float least = structure(since_, pixels);
+    const float least = difference.is_other ? 0 : structure(since_, pixels);
     const bool tells = least > kLeastStructure;
-    const float z = median_depth(frame.depth, pixels_of(cell, frame.depth.size()));
+    const auto depth = [&] {
+      return median_depth(frame.depth, pixels_of(cell, frame.depth.size()));
+    };
     if (difference.is_other || (tells && difference.change > kMoves * kMoves * least)) {
       seen.moved += difference.contrast > kContrast;
       votes_[cell] = own_[cell] ? votes_[cell] - 1 : 0;
       own_[cell] = votes_[cell] > 0;
       image(pixels).copyTo(since_(pixels));
-      depth_[cell] = z;
+      depth_[cell] = depth();
     } else if (tells && difference.change < kRests * kRests * least) {
       votes_[cell] = std::min(votes_[cell] + 1, kMostVotes);
-      if (votes_[cell] < kVotes || own_[cell]) continue;
+      if (own_[cell]) continue;
+      ++candidates;
+      if (votes_[cell] < kVotes) continue;
       seen.at_rest[cell] = true;
+      const float z = depth();
       if (!(z > 0 && depth_[cell] > 0)) continue;
       const float change = std::abs(z - depth_[cell]) / depth_[cell];
       seen.other += change > kOtherDepth;
@@ -198,6 +213,7 @@ bool EgoMask::observe(const Frame& frame) {
       seen.unclear += difference.contrast > kContrast;
     }
   }
+  pause_ = candidates < kLeastCells ? kPause : 0;
   const CellMask found = own_cells(seen);
   for (std::size_t cell = 0; cell < kCells; ++cell) own_[cell] = own_[cell] || found[cell];
   const CellMask before = std::exchange(cells_, with_neighbours(own_));

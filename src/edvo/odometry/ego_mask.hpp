@@ -33,6 +33,7 @@ class EgoMask {
   std::array<float, kCells> depth_{};
   std::array<int, kCells> votes_{};  // frames that each cell has rested in since
   CellMask own_{}, cells_{};
+  int pause_ = 0;  // frames to pass over
 };
 
 }  // namespace edvo
