@@ -2,6 +2,7 @@
 // The layouts with time stamps: TUM's rgb.txt and depth.txt, and association files.
 #include "edvo/core/associate.hpp"
 #include "edvo/core/error.hpp"
+#include "edvo/core/upper_median.hpp"
 #include "edvo/io/dataset_layout.hpp"
 #include "edvo/io/text_list.hpp"
 
@@ -101,13 +102,12 @@ void note_frame_numbers(Listing& listing) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < frames.size(); ++i)
     steps.push_back(seconds_between(frames[i - 1].stamp, frames[i].stamp));
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  if (*middle >= kSlowest)
+  const double usual = upper_median(steps);
+  if (usual >= kSlowest)
     listing.notes.push_back(
         fmt::format("frames are {:g} s apart: if the stamps are frame numbers or milliseconds, "
                     "read \"s\" as such",
-                    *middle));
+                    usual));
 }
 
 // Adds the pairs of the records that are closest in time.

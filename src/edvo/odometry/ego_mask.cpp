@@ -2,6 +2,7 @@
 #include "edvo/odometry/ego_mask.hpp"
 
 #include "edvo/core/inplace_vector.hpp"
+#include "edvo/core/upper_median.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -111,9 +112,7 @@ float median_depth(const Depth& depth, const cv::Rect& cell) {
       if (z > 0) depths.push_back(z);
     }
   if (depths.size() < kLeast) return 0;
-  float* const middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median(depths);
 }
 
 // What the cells show, in short.
@@ -161,9 +160,7 @@ std::optional<float> EgoMask::depth_of_change(const cv::Mat_<std::uint8_t>& imag
   }
   if (depths.empty() || changed < std::max<double>(kLeastChanged, kChangedShare * with_contrast))
     return std::nullopt;
-  float* const middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median(depths);
 }
 
 bool EgoMask::observe(const Frame& frame) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/resting_camera.hpp"
 
+#include "edvo/core/upper_median.hpp"
 #include "edvo/odometry/motion_judge.hpp"
 
 #include <algorithm>
@@ -88,9 +89,7 @@ Vote count_votes(const CellMeans& moving, const CellMeans& still, double largest
 float median_depth(std::vector<float> depths) {
   std::erase_if(depths, [](float z) { return !(z > 0); });
   if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return upper_median(depths);
 }
 
 }  // namespace

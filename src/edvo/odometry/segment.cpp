@@ -57,11 +57,9 @@ AlignResult align_by_rows(const Segment& segment, Frame& frame, const Alignment&
 
 // Why a frame that was aligned so is lost, if it is.
 LossCause cause_of(const AlignResult& result, const Segment& segment, const Frame& frame,
-                   const SE3& velocity, const AlignOptions& options, AlignScratch& scratch) {
-  const TrackingState& state = segment.state;
-  const LossCause cause = loss_cause(result, options, state, frame.stamp);
+                   const SE3& predicted, const AlignOptions& options, AlignScratch& scratch) {
+  const LossCause cause = loss_cause(result, options, segment.state, frame.stamp);
   if (cause != LossCause::kNone) return cause;
-  const SE3 predicted = velocity * state.alignment.cur_from_ref;
   return is_refuted_by_depth(result, segment.reference, frame, predicted, options, scratch)
              ? LossCause::kOutliers
              : LossCause::kNone;
@@ -146,8 +144,8 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const SE3 velocity = constant_velocity(state, frame.stamp);
   const PositionPrior prior = position_prior(state, frame.stamp, config.motion.acceleration);
   AlignResult result;
-  frame.shutter.velocity =
-      velocity_since(state, velocity * state.alignment.cur_from_ref, frame.stamp);
+  const SE3 predicted = velocity * state.alignment.cur_from_ref;
+  frame.shutter.velocity = velocity_since(state, predicted, frame.stamp);
   const MotionCandidates near = segment.predictor.candidates(frame, velocity, config, scratch);
   for (const Alignment& guess : guesses(segment, frame, near, config, scratch)) {
     result = align_by_rows(segment, frame, guess, config.tracking, scratch, prior);
@@ -157,13 +155,13 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const RestTest rest =
       test_rest(result, segment.reference, frame, sigma_baseline(state), config.tracking, scratch);
   if (rest.alignment) result = *rest.alignment;
-  LossCause loss = cause_of(result, segment, frame, velocity, config.tracking, scratch);
+  LossCause loss = cause_of(result, segment, frame, predicted, config.tracking, scratch);
   const LossCause fault = loss == LossCause::kNone ? loss : image_fault(frame, config.selection);
   if (fault != LossCause::kNone) {
     loss = fault;
   } else if (loss != LossCause::kNone) {
     const AlignResult far = align_from_afar(segment, frame, velocity, config, scratch);
-    const LossCause far_loss = cause_of(far, segment, frame, velocity, config.tracking, scratch);
+    const LossCause far_loss = cause_of(far, segment, frame, predicted, config.tracking, scratch);
     if (far_loss == LossCause::kNone) {
       result = far;
       loss = far_loss;
@@ -178,7 +176,7 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const MotionEvidence evidence = {.reference = segment.reference,
                                    .frame = frame,
                                    .candidates = near,
-                                   .predicted = velocity * state.alignment.cur_from_ref,
+                                   .predicted = predicted,
                                    .state = state,
                                    .is_at_rest = rest.alignment.has_value(),
                                    .undecided_frames = segment.undecided_frames};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/surface/floor.hpp"
 
+#include "edvo/core/upper_median.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -112,9 +114,7 @@ std::optional<double> floor_height(const std::vector<SurfacePoint>& points,
     for (int l = fullest; l <= fullest + 1; ++l)
       if (const auto found = layers.find(l); found != layers.end())
         heights.insert(heights.end(), found->second.begin(), found->second.end());
-    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-    std::nth_element(heights.begin(), middle, heights.end());
-    return *middle;
+    return upper_median(heights);
   }
   return std::nullopt;
 }
