@@ -46,9 +46,9 @@ def test_a_missing_extra_gives_one_sentence_with_the_command(tmp_path: Path) -> 
 def test_the_command_runs_a_source_of_python_with_all_flags_of_run(
     sequence: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    test_bags = pytest.importorskip("test_bags")
+    bag_recorder = pytest.importorskip("bag_recorder")
     source = edvo.open_source(sequence)
-    bag = test_bags.record("mcap", tmp_path, source.camera, list(source)[:12])
+    bag = bag_recorder.record("mcap", tmp_path, source.camera, list(source)[:12])
     flags = ["--start", "2", "--max-frames", "8", "--points", str(tmp_path / "points.ply"), "--json"]
     assert main(["run", str(bag), "-o", str(tmp_path / "out"), *flags]) == 0
     summary = json.loads(capfd.readouterr().out)

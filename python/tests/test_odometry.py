@@ -259,9 +259,8 @@ def test_an_observer_that_raises_ends_the_run(
         edvo.run(Memory(camera, frames), observers=[Broken()])
 
 
-def test_an_error_of_the_source_keeps_what_was_done(
-    camera: edvo.Camera, frames: list[edvo.Frame]
-) -> None:
+def unplugged(camera: edvo.Camera, frames: list[edvo.Frame]) -> edvo.Source:
+    """Gives two frames, then fails."""
     from conftest import Memory
 
     class Broken(Memory):
@@ -269,8 +268,14 @@ def test_an_error_of_the_source_keeps_what_was_done(
             yield from self.list[:2]
             raise OSError("unplugged")
 
+    return Broken(camera, frames)
+
+
+def test_an_error_of_the_source_keeps_what_was_done(
+    camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
     with pytest.raises(edvo.Error, match="OSError: unplugged") as caught:
-        edvo.run(Broken(camera, frames))
+        edvo.run(unplugged(camera, frames))
     assert caught.value.run is not None and caught.value.run.tracked == 2
 
 
@@ -381,15 +386,8 @@ def test_a_source_may_fill_the_same_arrays_again(
 
 
 def test_what_a_source_raised_is_the_cause(camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
-    from conftest import Memory
-
-    class Broken(Memory):
-        def __iter__(self):  # type: ignore[no-untyped-def]
-            yield from self.list[:2]
-            raise OSError("unplugged")
-
     with pytest.raises(edvo.Error, match="OSError: unplugged") as caught:
-        edvo.run(Broken(camera, frames))
+        edvo.run(unplugged(camera, frames))
     assert isinstance(caught.value.__cause__, OSError)
     assert caught.value.__cause__.__traceback__ is not None
 

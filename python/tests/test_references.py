@@ -14,7 +14,7 @@ from planted import Memory
 
 pytest.importorskip("rosbags")
 
-from test_bags import PERIOD, START, Recorder, millimetres  # noqa: E402
+from bag_recorder import PERIOD, START, Recorder, millimetres  # noqa: E402
 
 Q = (-0.5, 0.5, -0.5, 0.5)  # of a camera that looks along x of its robot: z forwards, y down
 
