@@ -4,8 +4,12 @@
 #include "support/error_matcher.hpp"
 #include "support/temporary_folder.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <array>
 #include <csignal>
 
 namespace edvo {
@@ -91,6 +95,44 @@ TEST(WriteWhole, LeavesWhatWasThereWhenItFails) {
     write_whole(folder.path() / "folder", "new");
   }));
   EXPECT_FALSE(fs::exists(folder.path() / "folder.part"));
+}
+
+TEST(WriteWhole, ReplacesTheTargetOfALink) {
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "there");
+  folder.write("there/file", "old");
+  fs::create_symlink("there/file", folder.path() / "link");
+  fs::create_symlink("link", folder.path() / "link2");
+  fs::create_symlink("there/new", folder.path() / "to_new");
+  EXPECT_TRUE(would_be_lost(folder.path() / "link2"));
+  write_whole(folder.path() / "link2", "new");
+  write_whole(folder.path() / "to_new", "first");
+  for (const char* link : {"link", "link2", "to_new"})
+    EXPECT_TRUE(fs::is_symlink(folder.path() / link)) << link;
+  EXPECT_EQ(text_of(folder.path() / "there/file"), "new");
+  EXPECT_EQ(text_of(folder.path() / "there/new"), "first");
+  fs::create_symlink("round", folder.path() / "round");
+  EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"round", "symbolic links"},
+                         [&] { write_whole(folder.path() / "round", "new"); }));
+}
+
+TEST(WriteWhole, WritesStraightIntoWhatIsNoRegularFile) {
+  const test::TemporaryFolder folder;
+  const fs::path fifo = folder.path() / "fifo";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const int reader = ::open(fifo.c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_whole(fifo, "text");
+  std::array<char, 10> bytes{};
+  EXPECT_EQ(::read(reader, bytes.data(), bytes.size()), 4);
+  EXPECT_EQ(std::string(bytes.data()), "text");
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(fifo));
+  fs::create_symlink("/dev/full", folder.path() / "full");
+  EXPECT_TRUE(fails_with(ErrorCode::kOutput, {"full", "No space left"},
+                         [&] { write_whole(folder.path() / "full", "text"); }));
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "full"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator{}), 2);
 }
 
 }  // namespace

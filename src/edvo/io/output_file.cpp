@@ -27,6 +27,24 @@ Error write_error(const fs::path& path, int error_number) {
                                           std::strerror(error_number), remedy)};
 }
 
+// True for what has no content to keep, as a FIFO or a device: it is written straight into.
+bool is_special(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+// Standard output, where the path names what it goes to (/dev/stdout). A descriptor of our own
+// would begin at the start of that file again, over what is printed.
+int open_printed(const fs::path& path) {
+  struct stat printed {
+  }, found{};
+  const bool same = ::fstat(STDOUT_FILENO, &printed) == 0 && ::stat(path.c_str(), &found) == 0 &&
+                    !S_ISDIR(found.st_mode) && printed.st_ino == found.st_ino &&
+                    printed.st_dev == found.st_dev;
+  return same ? ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0) : -1;
+}
+
 int open_for_writing(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor < 0) throw write_error(path, errno);
@@ -76,7 +94,15 @@ void LineFile::append(std::string_view line) {
   whole_bytes_ += static_cast<std::int64_t>(with_end.size());
 }
 
-WholeFile::WholeFile(fs::path path) : path_(std::move(path)), unfinished_(path_) {
+WholeFile::WholeFile(fs::path path) : path_(std::move(path)) {
+  descriptor_ = open_printed(path_);
+  if (descriptor_ >= 0) return;
+  if (is_special(path_)) {
+    descriptor_ = open_for_writing(path_);
+    return;
+  }
+  place_ = followed(path_);
+  unfinished_ = place_;
   unfinished_ += ".part";
   descriptor_ = open_for_writing(unfinished_);
 }
@@ -84,7 +110,7 @@ WholeFile::WholeFile(fs::path path) : path_(std::move(path)), unfinished_(path_)
 WholeFile::~WholeFile() {
   if (descriptor_ < 0) return;
   ::close(descriptor_);
-  ::unlink(unfinished_.c_str());
+  if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
 }
 
 void WholeFile::append(std::string_view bytes) {
@@ -94,15 +120,27 @@ void WholeFile::append(std::string_view bytes) {
 void WholeFile::commit() {
   // Some file systems report a full disk or a lost server only here.
   if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
-  if (::close(std::exchange(descriptor_, -1)) != 0 ||
-      ::rename(unfinished_.c_str(), path_.c_str()) != 0)
-    fail(errno);
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+  if (!unfinished_.empty() && ::rename(unfinished_.c_str(), place_.c_str()) != 0) fail(errno);
 }
 
 void WholeFile::fail(int error_number) {
   if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
-  ::unlink(unfinished_.c_str());
+  if (!unfinished_.empty()) ::unlink(unfinished_.c_str());
   throw write_error(path_, error_number);
+}
+
+fs::path followed(fs::path path) {
+  constexpr int kMostLinks = 40;  // as Linux
+  const fs::path named = path;
+  std::error_code error;
+  for (int i = 0; fs::is_symlink(path, error); ++i) {
+    if (i == kMostLinks) throw write_error(named, ELOOP);
+    const fs::path target = fs::read_symlink(path, error);
+    if (error) throw write_error(named, error.value());
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return path;
 }
 
 bool would_be_lost(const fs::path& path) {

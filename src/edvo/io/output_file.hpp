@@ -29,7 +29,8 @@ class LineFile {
 };
 
 // A file that appears whole or not at all: it is written beside its place, and moved there by
-// commit(). Until then, and where that fails, the file that was there stays.
+// commit(). Until then, and where that fails, the file that was there stays. A symbolic link stays
+// one: its target is replaced. What is no regular file (a FIFO, a device) is written straight into.
 class WholeFile {
  public:
   // Throws Error(kOutput) naming the file, as the members do.
@@ -46,13 +47,18 @@ class WholeFile {
  private:
   [[noreturn]] void fail(int error_number);
 
-  std::filesystem::path path_, unfinished_;
+  std::filesystem::path path_;
+  std::filesystem::path place_, unfinished_;  // empty = written straight into path_
   int descriptor_ = -1;
 };
 
 // Creates the folder and its parents. Throws Error(kOutput) naming the folder, with the remedy at
 // the end of the message.
 void make_folder(const std::filesystem::path& folder, std::string_view remedy = {});
+
+// Where writing the path writes: the end of its symbolic links, whether that exists or not. Throws
+// Error(kOutput) where they go round in a circle.
+[[nodiscard]] std::filesystem::path followed(std::filesystem::path path);
 
 // Whether writing this file would replace something: a regular file that is not empty.
 [[nodiscard]] bool would_be_lost(const std::filesystem::path& path);

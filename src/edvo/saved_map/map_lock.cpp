@@ -2,6 +2,7 @@
 #include "edvo/saved_map/map_lock.hpp"
 
 #include "edvo/core/error.hpp"
+#include "edvo/io/output_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -25,7 +26,7 @@ bool is_at(const std::filesystem::path& path, int descriptor) {
 
 }  // namespace
 
-MapLock::MapLock(const std::filesystem::path& map) : path_(map) {
+MapLock::MapLock(const std::filesystem::path& map) : path_(followed(map)) {
   path_ += ".lock";
   while (true) {
     descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
