@@ -96,6 +96,18 @@ TEST(TrajectoryFile, SaysOfNanosecondsHowTheyBecomeSeconds) {
                          [] { (void)parse("1403636580838555648 0 0 0 0 0 0 1\n"); }));
 }
 
+TEST(TrajectoryFile, NamesTheUnitOfStampsThatAreTooLarge) {
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"divide milliseconds by 1000"},
+                         [] { (void)parse("1403636580838 0 0 0 0 0 0 1\n"); }));
+}
+
+TEST(TrajectoryFile, SaysThatMcapIsNotRead) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("path.mcap", "\x89MCAP0\r\n");
+  EXPECT_TRUE(fails_with(ErrorCode::kInput, {"path.mcap", "MCAP is not read"},
+                         [&] { (void)read_trajectory(file); }));
+}
+
 TEST(TrajectoryFile, NamesTheMatricesOfKitti) {
   EXPECT_TRUE(fails_with(ErrorCode::kInput, {"got 12", "KITTI", "stamps of times.txt"},
                          [] { (void)parse("1 0 0 0 0 1 0 0 0 0 1 0\n"); }));
@@ -238,7 +250,26 @@ TEST(TrajectoryFile, MarksSegmentsByCommentsThatReadersPassOver) {
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 5u);
   EXPECT_EQ(lines[2], "# segment 1");
-  EXPECT_EQ(read_trajectory(folder.path() / "poses.tum").trajectory.size(), 4u);
+  const Trajectory read = read_trajectory(folder.path() / "poses.tum").trajectory;
+  ASSERT_EQ(read.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(read[i].segment, trajectory[i].segment);
+}
+
+TEST(TrajectoryFile, TakesNoOtherCommentForASegment) {
+  for (const char* comment : {"# segment", "# segment x", "# segment -1", "# segment 1 of 2",
+                              "# a segment 1", "#segment", "# segment 99999999999"}) {
+    const TrajectoryFile file = parse(std::string(comment) + "\n1 0 0 0 0 0 0 1\n");
+    EXPECT_EQ(file.trajectory.at(0).segment, 0) << comment;
+  }
+}
+
+TEST(TrajectoryFile, BelievesAHeaderThatSaysNanosecondsOfStampsNearZero) {
+  const TrajectoryFile file = parse(
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], "
+      "q_RS_z []\n0,1,0,0,1,0,0,0\n33333333,2,0,0,1,0,0,0\n");
+  ASSERT_EQ(file.trajectory.size(), 2u);
+  EXPECT_EQ(to_string(file.trajectory[1].stamp), "0.033333333");
+  EXPECT_THAT(file.warnings, ElementsAre(HasSubstr("EuRoC")));
 }
 
 TEST(TrajectoryFile, StampsWhoseDifferencesDoNotFitAreRefused) {

@@ -89,9 +89,10 @@ double number(std::string_view text, const Place& place) {
 
 // How a line is to be read.
 struct Layout {
-  bool in_nanoseconds = false;  // the stamps, as integers; more fields may follow the pose
-  bool w_first = false;         // qw qx qy qz
-  std::size_t header = 0;       // line that names the columns without being a comment, 0 = none
+  bool in_nanoseconds = false;     // the stamps, as integers; more fields may follow the pose
+  bool w_first = false;            // qw qx qy qz
+  bool names_nanoseconds = false;  // a comment or header has "timestamp [ns]"
+  std::size_t header = 0;          // line that names the columns without being a comment, 0 = none
 };
 
 // Whether a line that names the columns has qw before qx, also as q_RS_w []; none if it does not
@@ -108,16 +109,21 @@ std::optional<bool> named_w_first(std::string_view line) {
   return w < x;
 }
 
-bool is_in_nanoseconds(std::string_view stamp) {
-  constexpr std::size_t kFewestDigits = 16;  // seconds have at most 10
-  return stamp.size() >= kFewestDigits &&
-         stamp.find_first_not_of("0123456789") == std::string_view::npos;
+bool is_integer(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// EuRoC's csv has nanoseconds, commas and qw first, with velocities and biases after the pose.
-bool is_euroc(std::string_view line, const Fields& fields) {
-  return fields.count >= kFields && line.find(',') != std::string_view::npos &&
-         is_in_nanoseconds(fields.text[0]);
+bool is_in_nanoseconds(std::string_view stamp) {
+  constexpr std::size_t kFewestDigits = 16;  // seconds have at most 10
+  return stamp.size() >= kFewestDigits && is_integer(stamp);
+}
+
+// EuRoC's csv has nanoseconds, commas and qw first, with velocities and biases after the pose. Of
+// stamps near 0 only the header tells that.
+bool is_euroc(std::string_view line, const Fields& fields, const Layout& layout) {
+  if (fields.count < kFields || line.find(',') == std::string_view::npos) return false;
+  return is_in_nanoseconds(fields.text[0]) ||
+         (layout.names_nanoseconds && is_integer(fields.text[0]));
 }
 
 // By the comments and the header before the first pose, and that pose.
@@ -132,12 +138,13 @@ Layout layout_of(std::string_view text) {
     if (fields.count == 0) continue;
     const std::optional<bool> named = named_w_first(line);
     if (named) w_first = named;
+    if (line.find("[ns]") != std::string_view::npos) layout.names_nanoseconds = true;
     if (fields.text[0].front() == '#') continue;
     if (named && layout.header == 0) {
       layout.header = number;
       continue;
     }
-    layout.in_nanoseconds = is_euroc(line, fields);
+    layout.in_nanoseconds = is_euroc(line, fields, layout);
     break;
   }
   layout.w_first = w_first.value_or(layout.in_nanoseconds);
@@ -163,16 +170,25 @@ std::optional<Stamp> parse_nanoseconds(std::string_view text) {
        fmt::format("expected {} fields ({}), got {}{}", kFields, kFieldNames, fields.count, hint));
 }
 
+// Of a stamp too large for seconds since 1970, by its order of magnitude.
+std::string_view hint_of_unit(std::string_view text) {
+  const std::size_t digits = is_integer(text.substr(0, text.find('.'))) ? text.find('.') : 0;
+  const std::size_t count = std::min(digits, text.size());
+  if (count >= 18) return "; divide nanoseconds by 1e9";
+  if (count >= 15) return "; divide microseconds by 1e6, or nanoseconds by 1e9";
+  if (count >= 12) return "; divide milliseconds by 1000";
+  return "";
+}
+
 Stamp parse_stamp_field(std::string_view text, const Layout& layout, const Place& place) {
   // Up to the year 2096, so that the difference of any two fits into 64 bits of nanoseconds.
   constexpr double kLatest = 4e9;  // [s]
   const std::optional<Stamp> stamp =
       layout.in_nanoseconds ? parse_nanoseconds(text) : parse_stamp(text);
   if (!stamp || std::abs(to_seconds(*stamp)) > kLatest)
-    fail(place,
-         fmt::format("expected a stamp in {} up to {:g} s, got {}{}",
-                     layout.in_nanoseconds ? "nanoseconds" : "seconds", kLatest, quoted(text),
-                     is_in_nanoseconds(text) ? "; divide nanoseconds by 1e9" : ""));
+    fail(place, fmt::format("expected a stamp in {} up to {:g} s, got {}{}",
+                            layout.in_nanoseconds ? "nanoseconds" : "seconds", kLatest,
+                            quoted(text), layout.in_nanoseconds ? "" : hint_of_unit(text)));
   return *stamp;
 }
 
@@ -201,14 +217,29 @@ Line parse_pose(const Fields& fields, const Layout& layout, const Place& place) 
           .quaternion_length = length};
 }
 
+// Of a line that segment_line() wrote.
+std::optional<int> segment_of(const Fields& fields) {
+  if (fields.count != 3 || fields.text[0] != "#" || fields.text[1] != "segment")
+    return std::nullopt;
+  const std::string_view text = fields.text[2];
+  int segment = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), segment);
+  if (status != std::errc{} || end != text.data() + text.size() || segment < 0) return std::nullopt;
+  return segment;
+}
+
 std::vector<Line> parse_lines(std::string_view text, const Layout& layout,
                               const std::string& source) {
   std::vector<Line> lines;
+  int segment = 0;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = text.find('\n');
     const Fields fields = split(text.substr(0, end));
-    if (fields.count > 0 && fields.text[0].front() != '#' && number != layout.header)
+    segment = segment_of(fields).value_or(segment);
+    if (fields.count > 0 && fields.text[0].front() != '#' && number != layout.header) {
       lines.push_back(parse_pose(fields, layout, {source, number}));
+      lines.back().pose.segment = segment;
+    }
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
   return lines;
@@ -260,7 +291,13 @@ TrajectoryFile parse_trajectory(std::string_view text, const std::string& source
 }
 
 TrajectoryFile read_trajectory(const std::filesystem::path& file) {
-  return parse_trajectory(read_file(file), file.string());
+  const std::string text = read_file(file);
+  if (text.starts_with("\x89MCAP"))
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: MCAP is not read as a trajectory, only written; give a run's "
+                            "folder, or a file in the format of TUM or EuRoC",
+                            file.string()));
+  return parse_trajectory(text, file.string());
 }
 
 std::string segment_line(int segment) {

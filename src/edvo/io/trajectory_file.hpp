@@ -16,11 +16,13 @@ struct TrajectoryFile {
   std::vector<std::string> warnings;  // what had to be corrected, one line per kind
 };
 
-// Fields are separated by white space or commas; "#" starts a comment line; CRLF is fine. Poses out
+// Fields are separated by white space or commas; "#" starts a comment line, of which
+// segment_line() is read; CRLF is fine. Poses out
 // of order are sorted; of poses with the same stamp the last one stays, as in the TUM scripts.
-// Also read, with a warning that says so: EuRoC's csv (integer nanoseconds, commas, qw qx qy qz,
-// more fields), and files whose comment or first line names qw before qx. Throws Error(kInput)
-// "source:line: ..." at a line that is no pose, and if the file has no pose.
+// Also read, with a warning that says so: EuRoC's csv (integer nanoseconds, which 16 digits
+// or a header with "[ns]" tell, commas, qw qx qy qz, more fields), and files whose comment or first
+// line names qw before qx. Throws Error(kInput) "source:line: ..." at a line that is no pose, and
+// if the file has no pose.
 [[nodiscard]] TrajectoryFile parse_trajectory(std::string_view text, const std::string& source);
 
 [[nodiscard]] TrajectoryFile read_trajectory(const std::filesystem::path& file);
