@@ -97,6 +97,31 @@ TEST(CameraFile, ReadsAMatrixOfNumbers) {
   EXPECT_EQ(camera.pinhole.cy, 240);
 }
 
+TEST(CameraFile, ReadsSixNumbersWithTheSizeOfTheImagesLast) {
+  const DistortedCamera camera = read("605.9 604.9 318.2 236.5 640 480\n");
+  EXPECT_EQ(camera.pinhole.fy, 604.9);
+  EXPECT_EQ(camera.pinhole.cy, 236.5);
+  EXPECT_FALSE(is_distorted(camera));
+  EXPECT_EQ(read("605.9 604.9 318.2 236.5 640 480", {}).pinhole.width, 640);
+  EXPECT_TRUE(refuses({"320 x 240"}, "262.5 262.5 159.5 119.5 320 240\n"));
+  EXPECT_TRUE(refuses({"0.1 x 0.2", "no size"}, "605.9 604.9 318.2 236.5 0.1 0.2\n"));
+}
+
+TEST(CameraFile, ReadsTheDistortionOfJson) {
+  const std::string start = R"({"fx": 517.3, "fy": 516.5, "ppx": 318.6, "ppy": 255.3, )";
+  const std::string coeffs = R"("coeffs": [0.26, -0.95, -0.005, 0.002, 1.16])";
+  expect_example(read(start + coeffs + R"(, "model": "Brown Conrady"})"));
+  expect_example(read(start + coeffs + R"(, "model": "distortion.brown_conrady"})"));
+  expect_example(read(start + coeffs + "}"));
+  expect_example(
+      read(start + R"("k1": 0.26, "k2": -0.95, "p1": -0.005, "p2": 0.002, "k3": 1.16})"));
+  EXPECT_TRUE(refuses({"model", "Inverse Brown Conrady", "brown_conrady"},
+                      start + coeffs + R"(, "model": "Inverse Brown Conrady"})"));
+  EXPECT_TRUE(refuses({"coeffs", "array"}, start + R"("coeffs": 1})"));
+  EXPECT_FALSE(is_distorted(
+      read(start + R"("coeffs": [0, 0, 0, 0, 0], "model": "Inverse Brown Conrady"})")));
+}
+
 TEST(CameraFile, ANegativeFyIsKept) {
   EXPECT_EQ(read("481.2 -480 319.5 239.5").pinhole.fy, -480);
 }
@@ -274,7 +299,7 @@ TEST(CameraFile, NumbersThatCannotBeRightAreRefusedByName) {
 TEST(CameraFile, AMatrixOfAnotherFormIsRefused) {
   EXPECT_TRUE(refuses({"has 4 numbers"}, "K: [517, 517, 320, 240]\n"));
   EXPECT_TRUE(refuses({"not of the form"}, "K: [517, 3, 320, 0, 517, 240, 0, 0, 1]\n"));
-  EXPECT_TRUE(refuses({"4, 8, 9, 12 or 16 numbers, got 3"}, "517 320 240"));
+  EXPECT_TRUE(refuses({"4, 6, 8, 9, 12 or 16 numbers, got 3"}, "517 320 240"));
 }
 
 TEST(CameraFile, TomlErrorsNameLineAndKey) {

@@ -23,7 +23,7 @@ using std::filesystem::path;
 constexpr std::size_t kLargestCameraFile = std::size_t{1} << 20;  // [bytes]
 constexpr std::string_view kFormats =
     "TOML (fx, fy, cx, cy), OpenCV YAML, ROS camera_info YAML, Kalibr camchain YAML, JSON or the "
-    "numbers fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]]";
+    "numbers fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]] or fx fy cx cy width height";
 
 std::string read_text(const path& file) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
@@ -63,6 +63,13 @@ std::optional<std::vector<double>> as_numbers(std::string text) {
   return numbers;
 }
 
+void set_pinhole(StatedCamera& camera, const std::vector<double>& numbers) {
+  camera.fx = numbers[0];
+  camera.fy = numbers[1];
+  camera.cx = numbers[2];
+  camera.cy = numbers[3];
+}
+
 StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numbers) {
   StatedCamera camera;
   const std::size_t count = numbers.size();
@@ -71,17 +78,27 @@ StatedCamera camera_of_numbers(const path& file, const std::vector<double>& numb
     set_matrix(camera, file, std::array{n(0), n(1), n(2), n(4), n(5), n(6), n(8), n(9), n(10)});
   } else if (count == 9 && numbers[1] == 0 && numbers[3] == 0) {
     set_matrix(camera, file, numbers);
+  } else if (count == 6) {
+    constexpr double kLargestSide = 1e6;
+    const auto is_side = [](double side) {
+      return side >= 1 && side <= kLargestSide && side == std::floor(side);
+    };
+    if (!is_side(numbers[4]) || !is_side(numbers[5]))
+      fail_camera(file, fmt::format("of six numbers the last two are the width and height of the "
+                                    "images; {} x {} is no size in pixels",
+                                    numbers[4], numbers[5]));
+    set_pinhole(camera, numbers);
+    camera.size = {static_cast<int>(numbers[4]), static_cast<int>(numbers[5])};
   } else if (count == 4 || count == 8 || count == 9 || count == 12) {
-    camera.fx = numbers[0];
-    camera.fy = numbers[1];
-    camera.cx = numbers[2];
-    camera.cy = numbers[3];
+    set_pinhole(camera, numbers);
     camera.distortion.assign(numbers.begin() + 4, numbers.end());
   } else {
-    fail_camera(file,
-                fmt::format("expected fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]] or a 3 x 3 or "
-                            "4 x 4 matrix, that is 4, 8, 9, 12 or 16 numbers, got {}",
-                            count));
+    fail_camera(
+        file,
+        fmt::format(
+            "expected fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]], fx fy cx cy "
+            "width height or a 3 x 3 or 4 x 4 matrix, that is 4, 6, 8, 9, 12 or 16 numbers, got {}",
+            count));
   }
   return camera;
 }

@@ -19,11 +19,12 @@ namespace edvo {
 //   Camera1.fx, Camera.k1, Camera.type
 // - ROS camera_info YAML: camera_matrix or K; plumb_bob, rational_polynomial, equidistant
 // - Kalibr camchain YAML: cam0 is taken; pinhole with radtan, equidistant or no distortion
-// - JSON: fx, fy, cx, cy (NICE-SLAM's cam_params.json), or Open3D's intrinsic_matrix
-// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]], or the 3 x 3 or 4 x 4 matrix row by row
-// image_size: that of the images [px]; if empty, the file must state it. Throws Error(kCalibration)
-// if the file is none of these, has another camera model, is for images of another size or has
-// impossible values.
+// - JSON: fx, fy, cx, cy (NICE-SLAM's cam_params.json; ppx, ppy, coeffs and model of librealsense),
+//   or Open3D's intrinsic_matrix
+// - numbers: fx fy cx cy [k1 k2 p1 p2 [k3 [k4 k5 k6]]], or fx fy cx cy width height, or the 3 x 3
+// or 4 x 4 matrix row by row image_size: that of the images [px]; if empty, the file must state it.
+// Throws Error(kCalibration) if the file is none of these, has another camera model, is for images
+// of another size or has impossible values.
 [[nodiscard]] DistortedCamera read_camera(const std::filesystem::path& file, cv::Size image_size);
 
 // Throws Error(kCalibration) beginning with the file, or whoever says so, if no camera of this kind

@@ -42,7 +42,8 @@ void set_matrix(StatedCamera& camera, const std::filesystem::path& file,
 [[nodiscard]] StatedCamera parse_camera_yaml(const std::filesystem::path& file,
                                              std::string_view text);
 
-// The same for JSON: fx, fy, cx, cy, or Open3D's intrinsic_matrix; also inside "camera".
+// The same for JSON: fx, fy, cx or ppx, cy or ppy, or Open3D's intrinsic_matrix; coeffs or
+// distortion, or k1 to p2, and the model; also inside "camera".
 [[nodiscard]] StatedCamera parse_camera_json(const std::filesystem::path& file,
                                              std::string_view text);
 
