@@ -74,6 +74,13 @@ TEST(CameraChoice, PrefersTheGivenFileThenTheFoldersThenThePreset) {
   EXPECT_THAT(choose_camera(dataset, {.file = given}).source, HasSubstr("own, as given"));
 }
 
+TEST(CameraChoice, DistortionThatNoLensHasIsWarnedOf) {
+  DistortedCamera camera = camera_preset("fr1")->camera;
+  EXPECT_THAT(check_intrinsics(camera), IsEmpty());
+  camera.distortion = {10, 10, 1, 1, 1};
+  EXPECT_THAT(check_intrinsics(camera), ElementsAre(HasSubstr("which no lens does")));
+}
+
 TEST(CameraChoice, KnowsIclNuimByItsGroundTruth) {
   const test::TemporaryFolder folder;
   Dataset dataset = dataset_in(folder.path(), "mine");

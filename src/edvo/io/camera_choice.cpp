@@ -72,6 +72,19 @@ double field_of_view(const DistortedCamera& camera) {
   return 2 * kDegreesPerRadian * (camera.lens == LensModel::kEquidistant ? half : std::atan(half));
 }
 
+// How far the lens moves a corner of the image, at most. [px]
+double largest_displacement(const DistortedCamera& camera) {
+  const Camera& c = camera.pinhole;
+  double largest = 0;
+  for (const double u : {0.0, c.width - 1.0})
+    for (const double v : {0.0, c.height - 1.0}) {
+      const Eigen::Vector2d ray((u - c.cx) / c.fx, (v - c.cy) / c.fy);
+      const Eigen::Vector2d moved = distort(camera, ray) - ray;
+      largest = std::max(largest, std::hypot(c.fx * moved.x(), c.fy * moved.y()));
+    }
+  return largest;
+}
+
 }  // namespace
 
 std::optional<std::filesystem::path> camera_file_in(const std::filesystem::path& folder) {
@@ -99,6 +112,7 @@ DistortedCamera resized(const DistortedCamera& camera, cv::Size size) {
 
 std::vector<std::string> check_intrinsics(const DistortedCamera& camera) {
   constexpr double kFarthestOff = 0.1;              // of the side
+  constexpr double kFarthestMoved = 0.5;            // of the width
   constexpr double kNarrowest = 25, kWidest = 130;  // [deg]
   const Camera& pinhole = camera.pinhole;
   std::vector<std::string> warnings;
@@ -118,6 +132,12 @@ std::vector<std::string> check_intrinsics(const DistortedCamera& camera) {
                     "to {}; are the intrinsics those of images of another size? --camera-size "
                     "WIDTHxHEIGHT scales them",
                     pinhole.fx, degrees, pinhole.width, kNarrowest, kWidest));
+  if (camera.lens != LensModel::kEquidistant &&
+      !(largest_displacement(camera) < kFarthestMoved * pinhole.width))
+    warnings.push_back(fmt::format(
+        "the distortion [{:.6g}] moves a corner of the image by {:.0f} px, which no lens does; is "
+        "the order k1 k2 p1 p2 k3?",
+        fmt::join(distortion_coefficients(camera), ", "), largest_displacement(camera)));
   return warnings;
 }
 
