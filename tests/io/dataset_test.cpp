@@ -396,6 +396,11 @@ TEST(Dataset, TheCamerasFileStatesTheDepthScale) {
   const auto given = folder.write("given.toml", "depth_scale = 1250\nfx=9\nfy=9\ncx=4\ncy=3\n");
   EXPECT_EQ(open_dataset(folder.path() / "fr1", {.camera_file = given}).depth_scale.units_per_metre,
             1250);
+  const auto silent = folder.write("silent.txt", "9 9 4 3\n");
+  const Dataset other = open_dataset(folder.path() / "fr1", {.camera_file = silent});
+  EXPECT_EQ(other.depth_scale.units_per_metre, 2500);
+  EXPECT_EQ(other.depth_scale.source,
+            "DepthMapFactor in the folder's camera.yaml, as silent.txt states none");
   EXPECT_EQ(open_dataset(folder.path() / "fr1", {.depth_scale = 10000, .camera_file = given})
                 .depth_scale.units_per_metre,
             10000);

@@ -162,6 +162,12 @@ DepthScale choose_depth_scale(const Dataset& dataset, const Listing& listing,
   if (const auto stated = camera_file ? stated_depth_scale(*camera_file) : std::nullopt)
     return {stated->units_per_metre,
             fmt::format("{} in {}", stated->key, camera_file->filename().string())};
+  // --camera may give another calibration of the same camera; its depth stays in the same units.
+  const auto own_file = options.camera_file ? camera_file_in(dataset.root) : std::nullopt;
+  if (const auto stated = own_file ? stated_depth_scale(*own_file) : std::nullopt)
+    return {stated->units_per_metre,
+            fmt::format("{} in the folder's {}, as {} states none", stated->key,
+                        own_file->filename().string(), camera_file->filename().string())};
   if (const auto preset = camera_preset(dataset))
     return {preset->depth_scale, fmt::format("{}, {}", preset->name, preset->recognised)};
   return {listing.usual_depth_scale, fmt::format("assumed, usual for {}", listing.layout), true};
