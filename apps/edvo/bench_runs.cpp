@@ -3,7 +3,9 @@
 
 #include "edvo/core/error.hpp"
 #include "edvo/core/nesting.hpp"
+#include "edvo/core/sha256.hpp"
 #include "edvo/io/file.hpp"
+#include "edvo/io/output_file.hpp"
 #include "edvo/io/trajectory_file.hpp"
 #include "edvo/report/run_folder.hpp"
 #include "recorded_run.hpp"
@@ -25,6 +27,15 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kInterrupted = "interrupted; the same command goes on from here";
 
+// Everything that a cell of a sequence needs.
+struct Sequence {
+  const BenchSequence& choice;
+  FolderSource& source;
+  std::string input;  // fingerprint()
+  std::optional<GroundTruth> truth;
+  EvalOptions options;
+};
+
 // --- one run ------------------------------------------------------------------------------------
 
 // The parts of a summary that must be the same for a run to stand for another.
@@ -37,11 +48,38 @@ Json identity(const Json& summary) {
   return parts;
 }
 
+constexpr std::string_view kInputFile = "bench_input.txt";  // beside the summary
+
+// Tells images that were changed under the same names: by their names, sizes and times, as reading
+// all of them would take as long as tracking them.
+std::string fingerprint(const FolderSource& source, std::int64_t first) {
+  const std::vector<FrameEntry>& frames = source.dataset().frames;
+  const auto end = static_cast<std::size_t>(first + source.info().frames.value());
+  std::string all;
+  for (std::size_t i = static_cast<std::size_t>(first); i < end; ++i) {
+    all += to_string(frames.at(i).stamp);
+    for (const fs::path& file : {frames.at(i).colour, frames.at(i).depth}) {
+      std::error_code ignored;
+      const auto changed = fs::last_write_time(file, ignored).time_since_epoch().count();
+      all += fmt::format(" {} {} {}", file.string(), fs::file_size(file, ignored), changed);
+    }
+    all += '\n';
+  }
+  return sha256(all);
+}
+
+bool is_of(const fs::path& folder, const std::string& input) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / kInputFile, ignored) &&
+         read_file(folder / kInputFile) == input + '\n';
+}
+
 // The summary of an earlier run that is what this one would be.
-std::optional<Json> find_earlier(const fs::path& folder, const RunDescription& description) {
+std::optional<Json> find_earlier(const fs::path& folder, const RunDescription& description,
+                                 const std::string& input) {
   const fs::path file = folder / "summary.json";
   std::error_code error;
-  if (!fs::exists(file, error)) return std::nullopt;
+  if (!fs::exists(file, error) || !is_of(folder, input)) return std::nullopt;
   const std::string text = read_file(file);
   if (line_nested_too_deeply_in_json(text)) return std::nullopt;
   const Json summary = Json::parse(text, nullptr, false);
@@ -52,19 +90,20 @@ std::optional<Json> find_earlier(const fs::path& folder, const RunDescription& d
 }
 
 // Runs, and gives back the summary as it is on disk. Nothing but runs is ever replaced.
-Json run_anew(const fs::path& folder, FolderSource& source, const BenchSystem& system,
-              const RunDescription& description, const std::optional<GroundTruth>& truth,
-              const BenchOptions& options) {
+Json run_anew(const fs::path& folder, const BenchSystem& system, const RunDescription& description,
+              const Sequence& sequence, const BenchOptions& options) {
   RunFlags run;
   run.output = folder.string();
   run.force = fs::exists(folder / "frames.jsonl");
   run.threads = options.threads;
   run.no_report = options.no_report;
   run.quiet = options.quiet || isatty(STDERR_FILENO) == 0;
-  source.rewind();
-  const RecordedRun result = record_run(source, description, system.config, run, truth);
+  sequence.source.rewind();
+  const RecordedRun result =
+      record_run(sequence.source, description, system.config, run, sequence.truth);
   if (result.failure && result.failure->code() != ErrorCode::kTrackingLost)
     throw Error(*result.failure);
+  write_whole(folder / kInputFile, sequence.input + '\n');
   return Json::parse(read_file(folder / "summary.json"));
 }
 
@@ -91,14 +130,6 @@ bool same_poses(const fs::path& a, const fs::path& b) {
 
 // --- one cell -----------------------------------------------------------------------------------
 
-// Everything that a cell of a sequence needs.
-struct Sequence {
-  const BenchSequence& choice;
-  FolderSource& source;
-  std::optional<GroundTruth> truth;
-  EvalOptions options;
-};
-
 // None, and a problem, where the two cannot be compared.
 std::optional<Evaluation> try_to_evaluate(const std::optional<GroundTruth>& truth,
                                           const Trajectory& estimate, const EvalOptions& options,
@@ -120,8 +151,11 @@ void evaluate_first_repeat(const Sequence& sequence, BenchCell& cell) {
   if (cell.run->tracked <= 1) {
     cell.state = CellState::kLost;
     const RunFigures& run = *cell.run;
-    cell.problem = fmt::format("tracking lost: {} lost and {} skipped of {} frames", run.lost,
-                               run.skipped, run.tracked + run.restarted + run.lost + run.skipped);
+    const auto frames = run.tracked + run.restarted + run.lost + run.skipped;
+    cell.problem = frames == 1 && run.tracked == 1
+                       ? "one frame has no motion to track"
+                       : fmt::format("tracking lost: {} lost and {} skipped of {} frames", run.lost,
+                                     run.skipped, frames);
     return;
   }
   cell.state = CellState::kDone;
@@ -156,10 +190,10 @@ void run_repeats(const BenchManifest& manifest, const BenchOptions& options,
     const fs::path folder = manifest.output / folder_name(sequence.choice.name) /
                             folder_name(system.name) / std::to_string(repeat);
     const std::optional<Json> earlier =
-        options.force ? std::nullopt : find_earlier(folder, description);
+
+        options.force ? std::nullopt : find_earlier(folder, description, sequence.input);
     const Json summary =
-        earlier ? *earlier
-                : run_anew(folder, sequence.source, system, description, sequence.truth, options);
+        earlier ? *earlier : run_anew(folder, system, description, sequence, options);
     if (summary.at("interrupted").get<bool>()) {
       cell.problem = kInterrupted;
       return;
@@ -262,6 +296,7 @@ Sequence with_truth(const BenchSequence& choice, FolderSource& source) {
   Talk::warn(choice.name, info.warnings);
   return {.choice = choice,
           .source = source,
+          .input = fingerprint(source, choice.choice.first),
           .truth = choice.truth ? choice.truth : info.ground_truth,
           .options = {.frames = static_cast<int>(info.frames.value())}};
 }

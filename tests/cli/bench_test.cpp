@@ -162,6 +162,11 @@ TEST_F(BenchCommand, RunsAgainWhatIsIncompleteChangedOrForced) {
   EXPECT_EQ(reused(bench_json()), 0);
   EXPECT_EQ(reused(bench_json()), 1);
   EXPECT_EQ(reused(bench_json("--force")), 0);
+  // Other data under the same names.
+  const fs::path image = fs::directory_iterator(folder.path() / "room" / "depth")->path();
+  fs::last_write_time(image, fs::last_write_time(image) + std::chrono::seconds(2));
+  EXPECT_EQ(reused(bench_json()), 0);
+  EXPECT_EQ(reused(bench_json()), 1);
   fs::remove(runs / "room" / "canny" / "1" / "summary.json");
   EXPECT_EQ(reused(bench_json()), 0);
   // Other options under the same name.
