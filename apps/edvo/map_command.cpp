@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // edvo map: what is done with saved maps; here info, what they hold.
 #include "commands.hpp"
-#include "edvo/core/trajectory.hpp"
 #include "edvo/report/summary.hpp"
 #include "edvo/saved_map/map_file.hpp"
 #include "map_verbs.hpp"
@@ -26,18 +25,29 @@ struct InfoArguments {
 struct SegmentInfo {
   int id = 0;
   std::int64_t keyframes = 0;
-  Trajectory path;
+  double path = 0;             // [m], along the odometry: runs that were merged do not count twice
   Eigen::AlignedBox3d extent;  // of the camera's way [m]
 };
+
+// From keyframe to keyframe, without the jump from the end of one run to the beginning of another.
+double path_in(const SavedMap& map, int segment) {
+  double length = 0;
+  for (const OdometryStep& step : map.steps) {
+    const MapKeyframe& from = map.keyframes.at(static_cast<std::size_t>(step.from));
+    const MapKeyframe& to = map.keyframes.at(static_cast<std::size_t>(step.to));
+    if (from.segment == segment && to.segment == segment)
+      length += (to.world_from_camera.translation - from.world_from_camera.translation).norm();
+  }
+  return length;
+}
 
 std::vector<SegmentInfo> describe_segments(const SavedMap& map) {
   std::vector<SegmentInfo> segments;
   for (const int id : segments_of(map)) {
-    SegmentInfo info{.id = id};
+    SegmentInfo info{.id = id, .path = path_in(map, id)};
     for (const MapKeyframe& key : map.keyframes) {
       if (key.segment != id) continue;
       ++info.keyframes;
-      info.path.push_back({.stamp = key.stamp, .world_from_camera = key.world_from_camera});
       info.extent.extend(key.world_from_camera.translation);
     }
     segments.push_back(std::move(info));
@@ -74,7 +84,7 @@ void print_json(const std::string& path, const SavedMap& map, std::uintmax_t byt
     const Eigen::Vector3d size = segment.extent.sizes();
     json["segments"].push_back({{"id", segment.id},
                                 {"keyframes", segment.keyframes},
-                                {"path_length_m", path_length(segment.path)},
+                                {"path_length_m", segment.path},
                                 {"extent_m", {size.x(), size.y(), size.z()}}});
   }
   print_bytes(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n');
@@ -96,7 +106,7 @@ void print_text(const std::string& path, const SavedMap& map, std::uintmax_t byt
   for (const SegmentInfo& segment : describe_segments(map)) {
     const Eigen::Vector3d size = segment.extent.sizes();
     print("segment {:<2} {} keyframes, path {:.2f} m, within {:.2f} x {:.2f} x {:.2f} m\n",
-          segment.id, segment.keyframes, path_length(segment.path), size.x(), size.y(), size.z());
+          segment.id, segment.keyframes, segment.path, size.x(), size.y(), size.z());
   }
   print("size       {:.1f} MB\n", static_cast<double>(bytes) / 1e6);
 }
