@@ -7,6 +7,7 @@
 #include "edvo/io/output_file.hpp"
 #include "edvo/io/strength_file.hpp"
 #include "edvo/network/edge_network.hpp"
+#include "output_name.hpp"
 #include "terminal.hpp"
 
 #include <fmt/core.h>
@@ -28,7 +29,7 @@ struct Arguments {
   fs::path output;
   std::string detector;  // empty = as the other options say
   ConfigFlags config;
-  bool strength = false, raw = false;
+  bool strength = false, raw = false, force = false;
   int threads = 2;
 };
 
@@ -127,6 +128,9 @@ void write_edges(const fs::path& file, const cv::Mat_<cv::Vec3b>& bgr, const Edg
 void detect_edges(const Arguments& arguments) {
   const Config config = resolve(arguments);
   const std::vector<Task> tasks = plan(arguments);
+  for (const Task& task : tasks)
+    if (fs::exists(task.result.parent_path()))
+      require_new("-o", task.result.string(), arguments.force);
   cv::setNumThreads(arguments.threads);
   std::unique_ptr<EdgeStrength> network;
   for (const Task& task : tasks) {
@@ -161,6 +165,7 @@ void add_edges_command(CLI::App& program) {
   verb->add_flag("--raw", arguments->raw,
                  "Write it as NumPy's .npy instead, 32-bit floats, nothing rounded")
       ->excludes("--strength");
+  verb->add_flag("--force", arguments->force, "Replace edge maps that are there");
   verb->add_option("--threads", arguments->threads, "Threads of the network")
       ->type_name("N")
       ->check(CLI::Range(1, kMostThreads))

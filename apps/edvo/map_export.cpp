@@ -9,6 +9,7 @@
 #include "edvo/saved_map/map_views.hpp"
 #include "edvo/surface/make_grid.hpp"
 #include "edvo/surface/surface_nets.hpp"
+#include "option_checks.hpp"
 #include "output_name.hpp"
 #include "stop_signal.hpp"
 #include "terminal.hpp"
@@ -16,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -61,6 +63,11 @@ void export_mesh(const Arguments& arguments, const std::vector<DepthView>& views
     volume.integrate(view, arguments.threads);
   }
   const Mesh mesh = extract_mesh(volume);
+  if (mesh.triangles.empty())
+    throw Error(ErrorCode::kMap,
+                fmt::format("--mesh {}: no surface is found with voxels of {} m; give a smaller "
+                            "--voxel",
+                            arguments.mesh, arguments.volume.voxel));
   write_mesh(arguments.mesh, mesh);
   print("{}: {} vertices, {} triangles\n", arguments.mesh, mesh.vertices.size(),
         mesh.triangles.size());
@@ -83,7 +90,20 @@ Floor floor_of(const Arguments& arguments, const std::vector<DepthView>& views) 
   return *floor;
 }
 
+// A surface is missed between the points that were measured on it.
+void warn_of_fine_cells(const Arguments& arguments, const std::vector<DepthView>& views) {
+  double finest = 0;
+  for (const DepthView& view : views)
+    finest = std::max(finest, 1 / ray_density(view, arguments.max_depth));
+  if (arguments.cells.resolution < finest)
+    say("warning: --cell {}: finer than what the images show at {} m, so that obstacles may be "
+        "missed; give --cell {:.3f} or more, or --max-depth {:.1f} or less\n",
+        arguments.cells.resolution, arguments.max_depth, std::ceil(1000 * finest) / 1000,
+        arguments.max_depth * arguments.cells.resolution / finest);
+}
+
 void export_grid(const Arguments& arguments, const std::vector<DepthView>& views) {
+  warn_of_fine_cells(arguments, views);
   const Floor floor = floor_of(arguments, views);
   GridOptions options = arguments.cells;
   options.max_depth = arguments.max_depth;
@@ -94,17 +114,24 @@ void export_grid(const Arguments& arguments, const std::vector<DepthView>& views
         floor.up.y(), floor.up.z(), floor.height);
 }
 
-void export_trajectory(const std::string& file, const SavedMap& map) {
+// Of all segments, which the file tells apart, or of the one that was asked for.
+void export_trajectory(const std::string& file, const SavedMap& map,
+                       const std::optional<int>& segment) {
   Trajectory trajectory;
   for (const MapKeyframe& key : map.keyframes)
-    trajectory.push_back(
-        {.stamp = key.stamp, .world_from_camera = key.world_from_camera, .segment = key.segment});
+    if (!segment || key.segment == *segment)
+      trajectory.push_back(
+          {.stamp = key.stamp, .world_from_camera = key.world_from_camera, .segment = key.segment});
   write_trajectory(file, trajectory);
   print("{}: {} poses\n", file, trajectory.size());
 }
 
 // Before the map is read.
 void require_writable_names(const Arguments& arguments) {
+  require_distinct({{"--points", arguments.points},
+                    {"--mesh", arguments.mesh},
+                    {"--grid", arguments.grid},
+                    {"--trajectory", arguments.trajectory}});
   require_ending("--points", arguments.points, {".ply"});
   require_ending("--mesh", arguments.mesh, {".ply"});
   require_ending("--grid", arguments.grid, {".pgm"});
@@ -123,6 +150,11 @@ void export_map(Arguments arguments) {
       arguments.trajectory.empty())
     throw Error(ErrorCode::kUsage,
                 "map export: nothing to write; give --points, --mesh, --grid or --trajectory");
+  if (!(arguments.cells.lowest < arguments.cells.highest))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--lowest {} --highest {}: nothing is between them; what counts as an "
+                            "obstacle is above the lowest and below the highest",
+                            arguments.cells.lowest, arguments.cells.highest));
   require_writable_names(arguments);
   arguments.volume.max_depth = arguments.max_depth;
   const StopSignal signal;
@@ -130,7 +162,9 @@ void export_map(Arguments arguments) {
   if (map.views.empty())
     throw Error(ErrorCode::kMap,
                 fmt::format("{}: this map is empty, there is nothing to write", arguments.map));
-  if (!arguments.trajectory.empty()) export_trajectory(arguments.trajectory, map);
+  if (arguments.segment) (void)chosen_segment(arguments, map);  // refuses one that is not there
+  if (!arguments.trajectory.empty())
+    export_trajectory(arguments.trajectory, map, arguments.segment);
   if (arguments.points.empty() && arguments.mesh.empty() && arguments.grid.empty()) return;
   const int segment = chosen_segment(arguments, map);
   if (!arguments.points.empty()) {
@@ -147,6 +181,7 @@ void export_map(Arguments arguments) {
 
 void add_map_export(CLI::App& verb) {
   constexpr int kMostThreads = 256;
+  constexpr double kFarthest = 1e4;  // [m]
   const auto arguments = std::make_shared<Arguments>();
   CLI::App* command = verb.add_subcommand("export", "Write points, mesh, grid or trajectory");
   command->add_option("MAP", arguments->map, "File")->required();
@@ -164,15 +199,15 @@ void add_map_export(CLI::App& verb) {
       ->type_name("N");
   command->add_option("--max-depth", arguments->max_depth, "Farther depth is left out [m]")
       ->type_name("METRES")
-      ->check(CLI::Range(0.1, 100.0))
+      ->check(number_between(0.1, 100))
       ->capture_default_str();
   command->add_option("--voxel", arguments->volume.voxel, "Size of the mesh's voxels [m]")
       ->type_name("METRES")
-      ->check(CLI::Range(0.001, 1.0))
+      ->check(number_between(0.001, 1))
       ->capture_default_str();
   command->add_option("--cell", arguments->cells.resolution, "Size of the grid's cells [m]")
       ->type_name("METRES")
-      ->check(CLI::Range(0.005, 10.0))
+      ->check(number_between(0.005, 10))
       ->capture_default_str();
   command
       ->add_option(
@@ -181,16 +216,19 @@ void add_map_export(CLI::App& verb) {
       ->type_name("X Y Z")
       ->expected(3);
   command->add_option("--floor", arguments->floor, "Height of the floor along it, default: as seen")
-      ->type_name("METRES");
+      ->type_name("METRES")
+      ->check(number_between(-kFarthest, kFarthest));
   command
       ->add_option("--lowest", arguments->cells.lowest,
                    "What is lower above the floor is no obstacle [m]")
       ->type_name("METRES")
+      ->check(number_between(0.001, kFarthest))
       ->capture_default_str();
   command
       ->add_option("--highest", arguments->cells.highest,
                    "What is higher above the floor is no obstacle [m]")
       ->type_name("METRES")
+      ->check(number_between(0.001, kFarthest))
       ->capture_default_str();
   command->add_flag("--force", arguments->force, "Replace files that are there");
   command->add_option("--threads", arguments->threads, "Results do not depend on it")

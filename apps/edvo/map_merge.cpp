@@ -49,7 +49,7 @@ Config options_of(const SavedMap& map, const std::string& file) {
 
 void require_alike(const SavedMap& a, const std::string& file_a, const SavedMap& b,
                    const std::string& file_b) {
-  require_same_camera(a, b.origin.camera, file_b);
+  require_same_camera(a, file_a, b.origin.camera, file_b);
   if (a.origin.depth_scale != b.origin.depth_scale)
     throw Error(ErrorCode::kMap,
                 fmt::format("{} has {} depth units per metre, {} has {}: maps are merged only with "
@@ -60,7 +60,7 @@ void require_alike(const SavedMap& a, const std::string& file_a, const SavedMap&
 }
 
 // A map joined to itself would only be twice as large.
-void require_distinct(const std::vector<std::string>& files) {
+void require_different_maps(const std::vector<std::string>& files) {
   for (std::size_t i = 0; i < files.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       std::error_code error;
@@ -73,7 +73,7 @@ void require_distinct(const std::vector<std::string>& files) {
 // Joins to the first map, in rounds, whatever overlaps with it by then.
 void merge(const Arguments& arguments) {
   require_new_map("-o", arguments.output, arguments.force);
-  require_distinct(arguments.maps);
+  require_different_maps(arguments.maps);
   const MapLock lock(arguments.output);
   std::vector<std::string> files = arguments.maps;
   std::vector<SavedMap> maps;

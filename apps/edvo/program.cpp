@@ -5,6 +5,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/report/machine.hpp"
 #include "memory.hpp"
+#include "option_checks.hpp"
 #include "stop_signal.hpp"
 #include "terminal.hpp"
 #include "usage.hpp"
@@ -35,6 +36,7 @@ void add_verbs(CLI::App& program, const Extension& extension) {
   add_cache_command(program);
   for (const Extension::Verb& verb : extension.verbs) add_extension_verb(program, verb);
   add_manual_commands(program);
+  refuse_empty_values(program);
 }
 
 constexpr const char* kExamples = R"(Examples:

@@ -64,6 +64,36 @@ std::unique_ptr<EdgeDetector> open_detector(const RunFlags& flags, const Config&
       config.network);
 }
 
+// The points, whose failure keeps nothing else from being written.
+class CheckedPoints : public Observer {
+ public:
+  explicit CheckedPoints(const std::string& file) : points_(file) {}
+  [[nodiscard]] bool wants_keyframes() const override { return points_.wants_keyframes(); }
+  void keyframe(const KeyframePtr& keyframe) override { points_.keyframe(keyframe); }
+  void end(const RunOutcome& outcome) override {
+    try {
+      points_.end(outcome);
+    } catch (const Error& error) {
+      failure_ = error;
+    }
+  }
+  [[nodiscard]] const std::optional<Error>& failure() const { return failure_; }
+
+ private:
+  PointFile points_;
+  std::optional<Error> failure_;
+};
+
+// What finish() says, also where it fails: the run's results are shown all the same.
+std::optional<Error> finish_maps(const RunMaps& maps, const SlamInMap& slam,
+                                 const RunOutcome& outcome, const fs::path& folder) {
+  try {
+    return maps.finish(slam, outcome.trajectory, folder);
+  } catch (const Error& error) {
+    return error;
+  }
+}
+
 }  // namespace
 
 RunDescription describe_run(const SourceInfo& source, const std::string& method,
@@ -74,6 +104,7 @@ RunDescription describe_run(const SourceInfo& source, const std::string& method,
 RecordedRun record_run(RgbdSource& source, const RunDescription& description, const Config& config,
                        const RunFlags& flags, const std::optional<GroundTruth>& truth,
                        Observer* watcher) {
+  require_distinct({{"--points", flags.points}, {"--save-map", flags.save_map}});
   require_ending("--points", flags.points, {".ply"});
   require_new("--points", flags.points, flags.force);
   std::vector<std::string> map_warnings;
@@ -87,7 +118,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
   Recorder recorder(make_run_folder(flags, description.sequence), description, !flags.no_report);
   Progress progress(flags.quiet);
   Observers observers = {&recorder, &progress};
-  PointFile points(flags.points);
+  CheckedPoints points(flags.points);
   if (!flags.points.empty()) observers.push_back(&points);
   if (watcher != nullptr) observers.push_back(watcher);
   warn = [&](const std::string& text) {
@@ -105,7 +136,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
                    {.loops = {}, .links = {}, .keep_colour = maps.writes()}, std::move(detector),
                    maps.origin(), maps.take_earlier(), flags.update_map);
     RunOutcome outcome = run_with(slam);
-    result.failure = maps.finish(slam, outcome.trajectory, recorder.folder());
+    result.failure = finish_maps(maps, slam, outcome, recorder.folder());
     if (slam.localization())
       result.localized = localized_frames(*slam.localization(), outcome.trajectory);
     return outcome;
@@ -120,6 +151,7 @@ RecordedRun record_run(RgbdSource& source, const RunDescription& description, co
     result.failure =
         Error(failure->code(), fmt::format("{}; what was tried is in {}", failure->what(),
                                            (result.folder / "frames.jsonl").string()));
+  if (!result.failure) result.failure = points.failure();
   return result;
 }
 

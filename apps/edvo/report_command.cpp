@@ -5,9 +5,9 @@
 #include "edvo/report/comparison.hpp"
 #include "edvo/report/html.hpp"
 #include "edvo/report/stored_run.hpp"
+#include "output_name.hpp"
 #include "terminal.hpp"
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,14 +15,18 @@
 namespace edvo::app {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Arguments {
   std::vector<std::string> runs;
   std::string output;  // empty = as the help says
+  bool force = false;
 };
 
 void report(const Arguments& arguments) {
+  const bool is_one = arguments.runs.size() == 1;
+  std::string output = arguments.output;
+  if (output.empty() && !is_one) output = "comparison.html";
+  require_ending("-o", output, {".html", ".htm"});
+  require_new("-o", output, arguments.force);
   std::vector<StoredRun> runs;
   for (const std::string& folder : arguments.runs) {
     runs.push_back(read_run(folder));
@@ -30,13 +34,11 @@ void report(const Arguments& arguments) {
       say("warning: {}: {}\n", folder, missing);
   }
   const StoredRun& first = runs.front();
-  const bool is_one = runs.size() == 1;
   const std::string page =
       is_one ? to_html(first.summary, first.log, first.outcome) : comparison_page(runs);
-  fs::path output = is_one ? first.folder / "report.html" : fs::path("comparison.html");
-  if (!arguments.output.empty()) output = arguments.output;
+  if (output.empty()) output = (first.folder / "report.html").string();
   write_whole(output, page);
-  print("report     {}\n", output.string());
+  print("report     {}\n", output);
 }
 
 }  // namespace
@@ -51,7 +53,8 @@ void add_report_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output,
                    "The page; without it comparison.html, of one run the report.html in its folder")
-      ->type_name("FILE");
+      ->type_name("FILE.html");
+  command->add_flag("--force", arguments->force, "Replace a page that is there");
   command->callback([arguments] { report(*arguments); });
 }
 

@@ -42,7 +42,7 @@ SavedMap load_fitting(const std::string& path, const RunDescription& run, bool e
   if (map.views.empty())
     throw Error(ErrorCode::kMap,
                 fmt::format("{}: this map is empty, nothing can be found in it", path));
-  require_same_camera(map, run.camera.pinhole, run.sequence);
+  require_same_camera(map, path, run.camera.pinhole, run.sequence);
   if (map.origin.depth_scale != run.depth_scale) {
     const std::string text =
         fmt::format("{}: the map was made with {}, this sequence has {}", path,
@@ -89,6 +89,7 @@ RunMaps::RunMaps(const RunFlags& flags, const Config& config, const RunDescripti
               .made_by = "edvo " + this_machine().edvo} {
   require_possible(flags, config);
   if (!flags.save_map.empty()) require_new_map("--save-map", flags.save_map, flags.force);
+  require_writable("--map", extends_ ? flags.map : "");
   if (!target_.empty()) lock_ = std::make_unique<MapLock>(target_);
   if (!map_.empty()) earlier_ = load_fitting(map_, run, extends_, warn);
 }

@@ -45,7 +45,7 @@ class EdgesCommand : public testing::Test {
 
 TEST_F(EdgesCommand, WritesThinEdgesOfAFolderWithEitherDetector) {
   for (const std::string& detector : {std::string(" --detector canny"), model_}) {
-    ASSERT_EQ(run(images_.string() + detector).status, 0);
+    ASSERT_EQ(run(images_.string() + detector + " --force").status, 0);
     for (const char* name : {"a.png", "b.png"}) {
       cv::Mat_<std::uint8_t> edges;
       cv::extractChannel(read_colour(output_ / name), edges, 0);
@@ -54,6 +54,14 @@ TEST_F(EdgesCommand, WritesThinEdgesOfAFolderWithEitherDetector) {
       EXPECT_NEAR(cv::countNonZero(edges), 2 * (40 + 30), 20) << detector;
     }
   }
+}
+
+TEST_F(EdgesCommand, ReplacesNothingUnasked) {
+  ASSERT_EQ(run(images_.string() + " --detector canny").status, 0);
+  const auto again = run(images_.string() + " --detector canny");
+  EXPECT_EQ(again.status, static_cast<int>(ErrorCode::kOutput));
+  EXPECT_THAT(again.output, HasSubstr("--force"));
+  EXPECT_EQ(run(images_.string() + " --detector canny --force").status, 0);
 }
 
 TEST_F(EdgesCommand, WritesTheStrengthOfOneImage) {
@@ -66,7 +74,7 @@ TEST_F(EdgesCommand, WritesTheStrengthOfOneImage) {
 
 TEST_F(EdgesCommand, WritesTheStrengthUnroundedForNumPy) {
   for (const std::string& detector : {std::string(" --detector canny"), model_}) {
-    ASSERT_EQ(run(images_.string() + " --raw" + detector).status, 0);
+    ASSERT_EQ(run(images_.string() + " --raw --force" + detector).status, 0);
     const std::string file = read_file(output_ / "a.npy");
     EXPECT_TRUE(file.starts_with("\x93NUMPY\x01"));
     EXPECT_THAT(file, HasSubstr("{'descr': '<f4', 'fortran_order': False, 'shape': (64, 96), }"));

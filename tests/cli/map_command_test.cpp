@@ -74,6 +74,45 @@ TEST_F(MapCommand, ExportsMeshPointsGridAndTrajectory) {
   EXPECT_GE(read_trajectory(place("keyframes.tum")).trajectory.size(), 5u);
 }
 
+TEST_F(MapCommand, ExportRefusesNumbersAndNamesThatMakeNoSense) {
+  const auto refuses = [](const std::string& arguments, const std::string& part, int status) {
+    const ProgramResult result =
+        run_edvo("map export " + place("room.map") + " " + arguments + " 2>&1");
+    EXPECT_EQ(result.status, status) << arguments;
+    EXPECT_THAT(result.output, HasSubstr(part));
+  };
+  const std::string grid = "--grid " + place("no.pgm"), mesh = "--mesh " + place("no.ply");
+  refuses(grid + " --floor nan", "nan", 2);
+  refuses(grid + " --lowest 2 --highest 1", "nothing is between", 2);
+  refuses(mesh + " --voxel nan", "nan", 2);
+  refuses(mesh + " --points " + place("no.ply"), "give two names", 2);
+  refuses("--mesh \"\"", "empty", 2);
+  refuses("--mesh " + place("none/no.ply"), "there is no folder", 7);
+  refuses("--trajectory " + place(""), "is a folder", 7);
+  EXPECT_FALSE(fs::exists(place("no.ply")) || fs::exists(place("no.pgm")));
+}
+
+TEST_F(MapCommand, OutputsOfARunAreCheckedBeforeIt) {
+  for (const std::string& output : {"--points " + place("none/p.ply"), "--save-map " + place(""),
+                                    "--save-map " + place("none/m.map")}) {
+    const ProgramResult result = run(output);
+    EXPECT_EQ(result.status, 7) << output;
+    EXPECT_THAT(result.output, Not(HasSubstr("frames")));
+  }
+  EXPECT_EQ(run("--save-map \"\"").status, 2);
+}
+
+TEST_F(MapCommand, WritesTheMapThroughALinkAndAlsoWherePointsFail) {
+  fs::copy_file(place("room.map"), place("target.map"));
+  fs::create_symlink("target.map", place("link.map"));
+  const ProgramResult result =
+      run("--max-frames 5 --points /dev/full --save-map " + place("link.map"));
+  EXPECT_EQ(result.status, 7) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("/dev/full"));
+  EXPECT_TRUE(fs::is_symlink(place("link.map")));
+  EXPECT_LT(fs::file_size(place("target.map")), fs::file_size(place("room.map")));
+}
+
 TEST_F(MapCommand, TheSecondHalfIsFoundInTheMapOfTheFirst) {
   const ProgramResult result = run("--start 40 --json --map " + place("room.map"));
   ASSERT_EQ(result.status, 0) << result.output;

@@ -62,5 +62,18 @@ TEST_F(ReportCommand, IsInTheHelpTheManualAndTheCompletion) {
   EXPECT_THAT(run_edvo("completion").output, HasSubstr("report"));
 }
 
+TEST_F(ReportCommand, ReplacesNothingButPages) {
+  const std::string runs = "report " + path("one") + " " + path("two") + " -o ";
+  const std::string poses = path("one") + "/trajectory.tum";
+  const std::string before = read_file(poses);
+  EXPECT_EQ(run_edvo(runs + poses + " --force 2>&1").status, 2);
+  EXPECT_EQ(read_file(poses), before);
+  ASSERT_EQ(run_edvo(runs + path("twice.html") + " 2>&1").status, 0);
+  const auto again = run_edvo(runs + path("twice.html") + " 2>&1");
+  EXPECT_EQ(again.status, 7);
+  EXPECT_THAT(again.output, HasSubstr("--force"));
+  EXPECT_EQ(run_edvo(runs + path("twice.html") + " --force 2>&1").status, 0);
+}
+
 }  // namespace
 }  // namespace edvo

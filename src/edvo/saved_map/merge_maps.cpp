@@ -171,19 +171,20 @@ std::string to_text(const Camera& c) {
 
 }  // namespace
 
-void require_same_camera(const SavedMap& map, const Camera& camera, const std::string& whose) {
+void require_same_camera(const SavedMap& map, const std::string& name, const Camera& camera,
+                         const std::string& whose) {
   constexpr double kSame = 0.5;  // [px]
   const Camera& own = map.origin.camera;
   const auto differ = [](double a, double b) { return !(std::abs(a - b) <= kSame); };
   if (own.width != camera.width || own.height != camera.height || differ(own.fx, camera.fx) ||
       differ(own.fy, camera.fy) || differ(own.cx, camera.cx) || differ(own.cy, camera.cy))
     throw Error(ErrorCode::kMap,
-                fmt::format("{}: was made with another camera ({}) than that of {} ({})", "the map",
+                fmt::format("{}: was made with another camera ({}) than that of {} ({})", name,
                             to_text(own), whose, to_text(camera)));
 }
 
 MergedMaps merge_maps(const SavedMap& first, const SavedMap& second, const MergeOptions& options) {
-  require_same_camera(first, second.origin.camera, "the other");
+  require_same_camera(first, "the first map", second.origin.camera, "the other");
   MergedMaps merged{.map = first,
                     .first_of_second = static_cast<KeyframeId>(first.keyframes.size())};
   SavedMap& all = merged.map;

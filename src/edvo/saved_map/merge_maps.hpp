@@ -34,6 +34,7 @@ struct MergedMaps {
                                     const MergeOptions& options);
 
 // Throws Error(kMap) that names both cameras.
-void require_same_camera(const SavedMap& map, const Camera& camera, const std::string& whose);
+void require_same_camera(const SavedMap& map, const std::string& name, const Camera& camera,
+                         const std::string& whose);
 
 }  // namespace edvo

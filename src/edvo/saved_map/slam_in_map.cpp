@@ -17,7 +17,7 @@ SlamInMap::SlamInMap(const DistortedCamera& camera, const Config& config, const 
       origin_(std::move(origin)),
       earlier_(std::move(map)),
       extend_(extend) {
-  if (earlier_) require_same_camera(*earlier_, camera.pinhole, "this sequence");
+  if (earlier_) require_same_camera(*earlier_, "the map", camera.pinhole, "this sequence");
 }
 
 void SlamInMap::finish(int threads) {
