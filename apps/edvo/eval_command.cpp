@@ -7,13 +7,17 @@
 #include "enum_option.hpp"
 #include "eval_plots.hpp"
 #include "eval_tables.hpp"
+#include "output_name.hpp"
 #include "terminal.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 
 namespace edvo::app {
@@ -28,7 +32,7 @@ struct Arguments {
   std::string delta;  // empty = what the protocol is known for
   EvalOptions options;
   std::string plot_folder;
-  bool json = false;
+  bool json = false, force = false;
 };
 
 // The command line has checked that the name is one of names_of().
@@ -92,17 +96,20 @@ NamedEvaluation evaluate_file(const Trajectory& truth, const std::string& place,
   return result;
 }
 
+constexpr std::array kPlots = {"trajectory.svg", "ate.svg", "rpe_translation.svg",
+                               "rpe_rotation.svg"};
+
+void require_new_plots(const fs::path& folder, bool force) {
+  if (!fs::exists(folder)) return;
+  for (const char* plot : kPlots) require_new("--plot", (folder / plot).string(), force);
+}
+
 void write_plots(const fs::path& folder, const Trajectory& truth,
                  const std::vector<NamedEvaluation>& evaluations) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error(ErrorCode::kOutput,
-                fmt::format("{}: cannot make the folder, {}", folder.string(), error.message()));
-  write_whole(folder / "trajectory.svg", to_svg(trajectory_plot(truth, evaluations)));
-  write_whole(folder / "ate.svg", to_svg(ate_plot(evaluations)));
-  write_whole(folder / "rpe_translation.svg", to_svg(rpe_translation_plot(evaluations)));
-  write_whole(folder / "rpe_rotation.svg", to_svg(rpe_rotation_plot(evaluations)));
+  make_folder(folder);
+  const std::array plots = {trajectory_plot(truth, evaluations), ate_plot(evaluations),
+                            rpe_translation_plot(evaluations), rpe_rotation_plot(evaluations)};
+  for (std::size_t i = 0; i < kPlots.size(); ++i) write_whole(folder / kPlots[i], to_svg(plots[i]));
   say("plots: {}\n", (folder / "*.svg").string());
 }
 
@@ -125,19 +132,53 @@ void print_table(const std::string& truth_file, TableFormat format,
         format_command("with evo: ", evo_line(truth_file, evaluations), format));
 }
 
-void evaluate_all(const Arguments& arguments) {
+// Sim(3) where the estimate fits much better with another scale.
+std::string scale_hint(const Trajectory& truth, const NamedEvaluation& named) {
+  constexpr double kTolerance = 0.02, kExplained = 0.5;  // of the scale; of the error
+  const Evaluation& evaluation = named.evaluation;
+  if (evaluation.options.alignment != AlignmentKind::kSe3) return "";
+  const Ate scaled =
+      absolute_trajectory_error(truth, named.estimate, evaluation.matches, AlignmentKind::kSim3);
+  const double scale = scaled.truth_from_estimate.scale;
+  const double rmse = evaluation.ate.distance.rmse;
+  if (std::abs(scale - 1) <= kTolerance || !(scaled.distance.rmse < kExplained * rmse)) return "";
+  return fmt::format(
+      "warning: {}: scaled by {:.4g} it fits with an ATE of {:.4g} m instead of "
+      "{:.4g} m (--align sim3): was its depth scale right?\n",
+      named.file, scale, scaled.distance.rmse, rmse);
+}
+
+// One that cannot be compared hides no other; the first such error ends the verb.
+std::vector<NamedEvaluation> evaluate_each(const Arguments& arguments, const Trajectory& truth,
+                                           std::optional<Error>& failure) {
   const EvalOptions options = options_from(arguments);
-  const Trajectory truth = read_with_warnings(arguments.truth);
   const std::vector<std::string> names = short_names(arguments.estimates);
   std::vector<NamedEvaluation> evaluations;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
+  for (std::size_t i = 0; i < names.size(); ++i) try {
+      evaluations.push_back(evaluate_file(truth, arguments.estimates[i], names[i], options));
+      say("{}", scale_hint(truth, evaluations.back()));
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kEvaluation) throw;
+      if (failure) say("edvo: {}\n", failure->what());
+      failure = error;
+    }
+  if (evaluations.empty()) throw Error(*failure);
+  return evaluations;
+}
+
+void evaluate_all(const Arguments& arguments) {
+  (void)options_from(arguments);  // before files are read
+  if (!arguments.plot_folder.empty()) require_new_plots(arguments.plot_folder, arguments.force);
+  const Trajectory truth = read_with_warnings(arguments.truth);
+  std::optional<Error> failure;
+  const std::vector<NamedEvaluation> evaluations = evaluate_each(arguments, truth, failure);
   if (arguments.json || arguments.format == "json") {
     print_bytes(evaluation_json(arguments.truth, truth, evaluations));
   } else {
     print_table(arguments.truth, named<TableFormat>(arguments.format), evaluations);
   }
   if (!arguments.plot_folder.empty()) write_plots(arguments.plot_folder, truth, evaluations);
+  if (failure) throw Error(*failure);
 }
 
 }  // namespace
@@ -182,6 +223,7 @@ void add_eval_command(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "same as --format json");
   command->add_option("--plot", arguments->plot_folder, "write plots (SVG) into this folder");
+  command->add_flag("--force", arguments->force, "replace plots that are there");
   command->callback([arguments] { evaluate_all(*arguments); });
 }
 

@@ -117,6 +117,40 @@ TEST_F(EvalCommand, WritesPlots) {
   }
 }
 
+TEST_F(EvalCommand, ReplacesNoPlotsUnasked) {
+  const std::string command = "eval " + truth + " " + large + " --plot " + folder.path().string();
+  ASSERT_EQ(run_edvo(command + " 2>&1").status, 0);
+  const ProgramResult again = run_edvo(command + " 2>&1");
+  EXPECT_EQ(again.status, static_cast<int>(ErrorCode::kOutput));
+  EXPECT_THAT(again.output, HasSubstr("--force"));
+  EXPECT_EQ(run_edvo(command + " --force 2>&1").status, 0);
+}
+
+TEST_F(EvalCommand, ShowsTheOthersWhereOneEstimateDoesNotOverlap) {
+  const std::string late = folder.write("late.txt", "500 0 0 0 0 0 0 1\n").string();
+  const ProgramResult result = run_edvo("eval " + truth + " " + late + " " + same + " 2>&1");
+  EXPECT_EQ(result.status, static_cast<int>(ErrorCode::kEvaluation));
+  EXPECT_THAT(result.output, HasSubstr("\nsame "));
+  EXPECT_THAT(result.output, HasSubstr("500 .. 500"));
+}
+
+TEST_F(EvalCommand, SaysWhichScaleFits) {
+  Trajectory half = read_trajectory(truth).trajectory;
+  for (StampedPose& pose : half) pose.world_from_camera.translation *= 0.5;
+  write_trajectory(folder.path() / "half.txt", half);
+  const std::string command = "eval " + truth + " " + (folder.path() / "half.txt").string();
+  EXPECT_THAT(run_edvo(command + " 2>&1").output, HasSubstr("scaled by 2 it fits"));
+  EXPECT_THAT(run_edvo(command + " --frames 1 2>&1").output,
+              testing::AllOf(HasSubstr("60 poses of 1 frames"), HasSubstr(" 100.0 ")));
+}
+
+TEST_F(EvalCommand, NamesMilliseconds) {
+  std::string text;
+  for (int i = 0; i < 60; ++i) text += std::to_string(100000 + 100 * i) + " 0 0 0 0 0 0 1\n";
+  expect_failure(truth + " " + folder.write("ms.txt", text).string(), ErrorCode::kEvaluation,
+                 {"milliseconds, divide them by 1000"});
+}
+
 TEST_F(EvalCommand, TakesTheGroundTruthAsItsOwnEstimate) {
   const json object = json::parse(run_edvo("eval " + truth + " " + truth + " --json").output);
   EXPECT_LT(object["estimates"][0]["ate"]["distance"]["rmse"], 1e-9);

@@ -5,7 +5,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 
 namespace edvo {
@@ -37,16 +39,32 @@ std::string time_range(const Trajectory& trajectory) {
                      to_string(trajectory.back().stamp));
 }
 
+// Of stamps in another unit than seconds: how often one lasts as long as the other.
+std::string_view hint_of_unit(const Trajectory& truth, const Trajectory& estimate) {
+  if (truth.empty() || estimate.empty()) return "";
+  const double truth_length = seconds_between(truth.front().stamp, truth.back().stamp);
+  const double length = seconds_between(estimate.front().stamp, estimate.back().stamp);
+  const auto is_about = [](double ratio, double factor) {
+    return ratio > factor / 3 && ratio < factor * 3;
+  };
+  if (is_about(length / truth_length, 1e3))
+    return " If the estimate's stamps are milliseconds, divide them by 1000.";
+  if (is_about(truth_length / length, 1e3))
+    return " If the ground truth's stamps are milliseconds, divide them by 1000.";
+  return "";
+}
+
 void require_enough(const std::vector<Match>& matches, const Trajectory& truth,
                     const Trajectory& estimate, const EvalOptions& options) {
   const std::size_t needed = options.alignment == AlignmentKind::kNone ? 1 : kFewestToAlign;
   if (matches.size() >= needed) return;
-  throw Error(ErrorCode::kEvaluation,
-              fmt::format("{} of {} poses have ground truth within {} s, at least {} needed: "
-                          "estimate covers {} s, ground truth {} s; are they of the same "
-                          "sequence, or do their clocks differ (--offset)?",
-                          matches.size(), estimate.size(), options.association.max_difference,
-                          needed, time_range(estimate), time_range(truth)));
+  throw Error(
+      ErrorCode::kEvaluation,
+      fmt::format("{} of {} poses have ground truth within {} s, at least {} needed: "
+                  "estimate covers {} s, ground truth {} s; are they of the same "
+                  "sequence, or do their clocks differ (--offset)?{}",
+                  matches.size(), estimate.size(), options.association.max_difference, needed,
+                  time_range(estimate), time_range(truth), hint_of_unit(truth, estimate)));
 }
 
 Trajectory scaled(Trajectory trajectory, double scale) {
@@ -113,8 +131,32 @@ std::string_view with_w_first(const Trajectory& truth, const Trajectory& estimat
   return {};
 }
 
-std::vector<std::string> warnings_about(const Evaluation& evaluation) {
+// More poses than frames cover no more than all of them; warnings_about() says so.
+double coverage_of(const Evaluation& evaluation) {
+  const auto poses = static_cast<double>(evaluation.poses);
+  if (evaluation.options.frames > 0) return std::min(1.0, poses / evaluation.options.frames);
+  return static_cast<double>(evaluation.matches.size()) / poses;
+}
+
+std::size_t segment_count(const Trajectory& trajectory) {
+  std::set<int> segments;
+  for (const StampedPose& pose : trajectory) segments.insert(pose.segment);
+  return segments.size();
+}
+
+std::vector<std::string> warnings_about(const Evaluation& evaluation, const Trajectory& estimate) {
   std::vector<std::string> warnings;
+  const EvalOptions& options = evaluation.options;
+  if (options.frames > 0 && evaluation.poses > static_cast<std::size_t>(options.frames))
+    warnings.push_back(
+        fmt::format("{} poses of {} frames: coverage says 100 %, but is the number "
+                    "of frames right?",
+                    evaluation.poses, options.frames));
+  if (const std::size_t segments = segment_count(estimate); segments > 1)
+    warnings.push_back(
+        fmt::format("the poses are in {} segments, between which no motion is "
+                    "known; the errors take them as one",
+                    segments));
   const std::string delta = to_string(evaluation.options.rpe.delta);
   if (!evaluation.rpe) {
     warnings.push_back(fmt::format("no two poses are {} apart: no RPE", delta));
@@ -142,14 +184,12 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
 
   evaluation.seconds = seconds_between(estimate[matches.front().estimate].stamp,
                                        estimate[matches.back().estimate].stamp);
-  evaluation.coverage = options.frames > 0 ? static_cast<double>(estimate.size()) / options.frames
-                                           : static_cast<double>(matches.size()) /
-                                                 static_cast<double>(estimate.size());
+  evaluation.coverage = coverage_of(evaluation);
   evaluation.ate = absolute_trajectory_error(truth, estimate, matches, options.alignment);
   const Trajectory sized = scaled(estimate, evaluation.ate.truth_from_estimate.scale);
   evaluation.rpe = relative_pose_error(truth, sized, options.association, options.rpe);
   evaluation.drift = final_drift(truth, sized, matches);
-  evaluation.warnings = warnings_about(evaluation);
+  evaluation.warnings = warnings_about(evaluation, estimate);
   const std::string_view swapped = with_w_first(truth, estimate, matches);
   if (!swapped.empty())
     evaluation.warnings.push_back(fmt::format(
