@@ -34,9 +34,13 @@ constexpr auto kVerbsAndOptions = std::to_array<Extra>({{"doctor", ""},
 constexpr auto kEndings = std::to_array<Extra>(
     {{".bag", "ros"}, {".db3", "ros"}, {".mcap", "ros"}, {".mkv", "video"}, {".r3d", "record3d"}});
 
+constexpr auto kCameras = std::to_array<Extra>(
+    {{"camera:realsense", "realsense"}, {"camera:oak", "oak"}, {"camera:openni", "openni"}});
+
 std::string needs_package(const std::string& what, std::string_view extra) {
-  const std::string name = extra.empty() ? "edvo" : fmt::format("'edvo[{}]'", extra);
-  return fmt::format("{} needs the Python package: pip install {}", what, name);
+  const std::string package = extra.empty() ? "." : fmt::format("'.[{}]'", extra);
+  return fmt::format("{} needs the Python package: in a checkout of edvo, pip install {}", what,
+                     package);
 }
 
 bool is_file(const fs::path& file) {
@@ -49,7 +53,9 @@ std::optional<std::string_view> extra_for(const fs::path& sequence) {
   if (is_file(sequence))
     for (const auto& [ending, extra] : kEndings)
       if (sequence.extension() == ending) return extra;
-  if (sequence.string().starts_with("camera:")) return "all";
+  for (const auto& [name, extra] : kCameras)
+    if (sequence.string().starts_with(name)) return extra;
+  if (sequence.string().starts_with("camera:")) return "";
   if (is_file(sequence / "rgb.mp4") && is_file(sequence / "camera_matrix.csv")) return "video";
   std::error_code ignored;
   if (is_file(sequence / "metadata") && fs::is_directory(sequence / "rgbd", ignored))

@@ -173,13 +173,16 @@ TEST_F(RunCommand, SaysWhatThePythonPackageReads) {
   folder_.write("stray/camera_matrix.csv", "");
   const auto place = [&](const char* name) { return (folder_.path() / name).string(); };
   says("run " + place("a.bag"),
-       "a.bag: reading it needs the Python package: pip install 'edvo[ros]'");
-  says("run " + place("ros2"), "pip install 'edvo[ros]'");
-  says("run " + place("stray"), "pip install 'edvo[video]'");
+       "a.bag: reading it needs the Python package: in a checkout of edvo, pip install '.[ros]'");
+  says("run " + place("ros2"), "pip install '.[ros]'");
+  says("run " + place("stray"), "pip install '.[video]'");
   says("run camera:oak", "needs the Python package");
-  says("pull tum/fr1/xyz", "edvo pull needs the Python package: pip install edvo");
-  says("view runs/x", "edvo view needs the Python package: pip install 'edvo[view]'");
-  says("run x --view", "--view needs the Python package: pip install 'edvo[view]'");
+  says("pull tum/fr1/xyz",
+       "edvo pull needs the Python package: in a checkout of edvo, pip install .");
+  says("view runs/x",
+       "edvo view needs the Python package: in a checkout of edvo, pip install '.[view]'");
+  says("run x --view",
+       "--view needs the Python package: in a checkout of edvo, pip install '.[view]'");
   EXPECT_THAT(run_edvo("run " + place("none.bag") + " 2>&1").output, HasSubstr("no such"));
 }
 
