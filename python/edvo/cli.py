@@ -280,6 +280,13 @@ def export(words: list[str]) -> int:
     chosen = arguments.format or format_of(arguments.file)
     require_new("export", arguments.file, arguments.force)
     trajectory = Trajectory.read(arguments.source)
+    segments = len(set(trajectory.segments.tolist()))
+    if chosen != "tum" and segments > 1:
+        print(
+            f"warning: {arguments.source}: {segments} segments, between which no motion is known; "
+            f"{arguments.file} does not tell them apart, a .tum file does",
+            file=sys.stderr,
+        )
     trajectory.write(arguments.file, format=chosen)
     return 0
 

@@ -148,12 +148,13 @@ class Trajectory:
     def write(self, file: str | Path, format: str | None = None) -> None:
         """Writes a file, or replaces it: as "tum", "kitti" (3 x 4 matrices, no stamps), "euroc" (csv)
         or "mcap" (ROS 2: TF and a path; needs edvo[ros]). None: as its name ends, with .tum or .txt,
-        .kitti, .csv, .mcap; ``edvo.Error`` (code 2) with another ending, (code 7) if it cannot be
-        written."""
+        .kitti, .csv, .mcap; only "tum" tells segments apart. ``edvo.Error`` (code 2) with another
+        ending, (code 3) with a pose that is not finite, (code 7) if it cannot be written."""
         if format is None:
             format = format_of(file)
         if format not in FORMATS:
             raise ValueError(f"format {format!r}: unknown, one of {', '.join(FORMATS)}")
+        require_finite(self)
         try:
             getattr(self, f"_write_{format}")(Path(file))
         except OSError as error:
@@ -181,6 +182,17 @@ class Trajectory:
         for stamp, (tx, ty, tz, qx, qy, qz, qw) in zip(self.stamps_ns, self.values.tolist()):
             lines.append(",".join([str(stamp), *map(repr, (tx, ty, tz, qw, qx, qy, qz))]) + "\n")
         file.write_text("".join(lines), encoding="utf-8")
+
+
+def require_finite(trajectory: Trajectory) -> None:
+    bad = np.flatnonzero(~np.isfinite(trajectory.values).all(axis=1))
+    if len(bad):
+        i = int(bad[0])
+        raise Error(
+            f"pose {i} at {trajectory.stamps[i]:.6f} s is not finite: "
+            f"{trajectory.values[i].tolist()}; leave lost poses out",
+            3,
+        )
 
 
 def require_ascending(stamps_ns: NDArray[np.int64]) -> None:

@@ -148,3 +148,25 @@ def test_no_file_is_replaced_unasked(
     assert file.read_text() == "of weeks"
     assert main(["export", str(finished), str(file), "--force"]) == 0
     assert file.read_bytes() == (finished / "trajectory.tum").read_bytes()
+
+
+def test_formats_without_segments_are_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pose = "0 0 0 0 0 0 1\n"
+    (tmp_path / "two.tum").write_text(f"1 {pose}# segment 1\n2 {pose}")
+    for name, is_warned in (("out.tum", False), ("out.csv", True), ("out.kitti", True)):
+        assert main(["export", str(tmp_path / "two.tum"), str(tmp_path / name)]) == 0
+        assert ("2 segments" in capsys.readouterr().err) == is_warned
+    assert edvo.Trajectory.read(tmp_path / "out.tum").segments.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize("format", ["tum", "kitti", "euroc"])
+def test_a_pose_that_is_not_finite_is_not_written(format: str, tmp_path: Path) -> None:
+    values = np.tile([0.0, 0, 0, 0, 0, 0, 1], (2, 1))
+    values[1, 0] = np.nan
+    trajectory = edvo.Trajectory(np.array([0, 1_000_000_000]), values)
+    with pytest.raises(edvo.Error, match="pose 1 at 1.000000 s is not finite") as refused:
+        trajectory.write(tmp_path / "out", format=format)
+    assert refused.value.code == 3
+    assert not (tmp_path / "out").exists()
