@@ -205,7 +205,7 @@ void LinkSearch::verify(KeyframeMap map, std::vector<LinkReport>& reports) const
     report.inliers = std::max(report.inliers, before.inliers);
     if (report.status == LinkStatus::kAccepted &&
         key(map, report.from).segment != key(map, report.to).segment) {
-      const auto features_of = [this](const Place& place) -> const std::vector<PlaceFeature>& {
+      const auto features_of = [this](const Place& place) -> const std::vector<CornerFeature>& {
         return signatures_[static_cast<std::size_t>(&place - places_.data())].features;
       };
       report.alike = std::min(

@@ -2,8 +2,8 @@
 // A keyframe as it is kept to recognize its place: as little as finding and verifying takes.
 #pragma once
 
+#include "edvo/features/corner_features.hpp"
 #include "edvo/map/keyframe.hpp"
-#include "edvo/slam/place_features.hpp"
 #include "edvo/slam/place_index.hpp"
 
 #include <vector>
@@ -32,7 +32,7 @@ constexpr float kDepthStep = 0.25e-3F;  // [m]
 // What tells places apart.
 struct PlaceSignature {
   FernCode code{};
-  std::vector<PlaceFeature> features;
+  std::vector<CornerFeature> features;
 };
 
 [[nodiscard]] PlaceSignature make_signature(const Place& place, const Camera& camera);

@@ -104,7 +104,7 @@ std::optional<LinkReport> Relocalizer::locate(const Frame& frame, std::int64_t k
                              [](const Place& p, std::int64_t other) { return p.id < other; });
   };
   const KeyframePtr query = keyframe_of(frame, keyframe);
-  const std::vector<PlaceFeature> features = describe_corners(frame, kFeaturesPerKeyframe);
+  const std::vector<CornerFeature> features = describe_corners(frame, kFeaturesPerKeyframe);
   std::vector<LinkReport> candidates;
   for (const PlaceMatch& match :
        index.search(make_fern_code(query->gray, query->depth), keyframe,

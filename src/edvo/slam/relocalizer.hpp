@@ -45,7 +45,7 @@ class Relocalizer {
   struct Kept {
     int segment = 0;
     FernCode code{};
-    std::vector<PlaceFeature> features;  // made when first needed
+    std::vector<CornerFeature> features;  // made when first needed
   };
   // Where the young segment lies, by one frame.
   struct Sighting {

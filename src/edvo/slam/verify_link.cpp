@@ -133,14 +133,14 @@ LinkStatus judge(const KeyframeView& from, const KeyframeView& to, const LinkOpt
 
 }  // namespace
 
-std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
-                                     const std::vector<PlaceFeature>& to,
+std::optional<SE3> motion_of_corners(const std::vector<CornerFeature>& from,
+                                     const std::vector<CornerFeature>& to,
                                      const LinkOptions& options, LinkReport& report) {
   const std::vector<FeatureMatch> matches = match_features(to, from);
   report.matches = static_cast<int>(matches.size());
   report.status = LinkStatus::kFewMatches;
   if (report.matches < options.min_matches) return std::nullopt;
-  const RigidMotion motion = estimate_motion(to, from, matches, pair_seed(report));
+  const CornerMotion motion = estimate_motion(to, from, matches, pair_seed(report));
   report.inliers = static_cast<int>(motion.inliers.size());
   report.status = LinkStatus::kNoMotion;
   if (report.inliers < options.min_inliers) return std::nullopt;

@@ -5,8 +5,8 @@
 
 #include "edvo/align/align.hpp"
 #include "edvo/core/fields.hpp"
+#include "edvo/features/corner_features.hpp"
 #include "edvo/map/keyframe.hpp"
-#include "edvo/slam/place_features.hpp"
 
 #include <array>
 #include <concepts>
@@ -113,8 +113,8 @@ struct LinkReport {
 
 // from_pose_to by the corners of both. Where there is none, the report's status says why; matches
 // and inliers are filled in either case.
-[[nodiscard]] std::optional<SE3> motion_of_corners(const std::vector<PlaceFeature>& from,
-                                                   const std::vector<PlaceFeature>& to,
+[[nodiscard]] std::optional<SE3> motion_of_corners(const std::vector<CornerFeature>& from,
+                                                   const std::vector<CornerFeature>& to,
                                                    const LinkOptions& options, LinkReport& report);
 
 // All steps but the cycle, which needs the pose graph. guess: from_pose_to, of which only the

@@ -18,7 +18,7 @@ namespace edvo {
 
 using Descriptor = std::array<std::uint64_t, 4>;
 
-struct PlaceFeature {
+struct CornerFeature {
   Eigen::Vector3f point = Eigen::Vector3f::Zero();  // in the camera [m]
   Descriptor descriptor{};
 };
@@ -26,14 +26,14 @@ struct PlaceFeature {
 constexpr std::size_t kFeaturesPerKeyframe = 400;
 
 // At most `count` corners with depth, spread over the image, in row order of their cells.
-[[nodiscard]] std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count);
+[[nodiscard]] std::vector<CornerFeature> describe_corners(const Frame& frame, std::size_t count);
 
 // Number of bits that differ.
 [[nodiscard]] int distance(const Descriptor& a, const Descriptor& b);
 
 // Share of a keyframe's corners that look alike where a motion brings them in another frame [0..1]:
 // of those that lie on the surface seen there; 0 if these are few.
-[[nodiscard]] double alike_share(const std::vector<PlaceFeature>& features, const Frame& frame,
+[[nodiscard]] double alike_share(const std::vector<CornerFeature>& features, const Frame& frame,
                                  const SE3& frame_from_features);
 
 struct FeatureMatch {
@@ -41,19 +41,19 @@ struct FeatureMatch {
 };
 
 // Pairs that are each other's nearest and clearly nearer than the second.
-[[nodiscard]] std::vector<FeatureMatch> match_features(const std::vector<PlaceFeature>& a,
-                                                       const std::vector<PlaceFeature>& b);
+[[nodiscard]] std::vector<FeatureMatch> match_features(const std::vector<CornerFeature>& a,
+                                                       const std::vector<CornerFeature>& b);
 
-struct RigidMotion {
+struct CornerMotion {
   SE3 b_from_a;
   std::vector<FeatureMatch> inliers;
 };
 
 // RANSAC over triples of matches (Fischler, Bolles 1981), then least squares on all inliers. The
 // same seed gives the same bits.
-[[nodiscard]] RigidMotion estimate_motion(const std::vector<PlaceFeature>& a,
-                                          const std::vector<PlaceFeature>& b,
-                                          const std::vector<FeatureMatch>& matches,
-                                          std::uint64_t seed);
+[[nodiscard]] CornerMotion estimate_motion(const std::vector<CornerFeature>& a,
+                                           const std::vector<CornerFeature>& b,
+                                           const std::vector<FeatureMatch>& matches,
+                                           std::uint64_t seed);
 
 }  // namespace edvo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "edvo/slam/place_features.hpp"
+#include "edvo/features/corner_features.hpp"
 
 #include "edvo/core/random.hpp"
 #include "edvo/features/corners.hpp"
@@ -199,10 +199,10 @@ float patch_radius(const Camera& camera, float z) {
 
 }  // namespace
 
-std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count) {
+std::vector<CornerFeature> describe_corners(const Frame& frame, std::size_t count) {
   const Camera& camera = frame.levels.front().camera;
   const std::vector<SmoothLevel> levels = smooth_levels(frame);
-  std::vector<PlaceFeature> features;
+  std::vector<CornerFeature> features;
   // Some have no depth.
   for (const Candidate& corner : spread_corners(frame.levels.front().gray, 2 * count)) {
     const float z = corner_depth(frame.depth, corner.x, corner.y);
@@ -215,14 +215,14 @@ std::vector<PlaceFeature> describe_corners(const Frame& frame, std::size_t count
   return features;
 }
 
-double alike_share(const std::vector<PlaceFeature>& features, const Frame& frame,
+double alike_share(const std::vector<CornerFeature>& features, const Frame& frame,
                    const SE3& frame_from_features) {
   constexpr double kSurface = 0.06;  // [1 / m]
   const Camera& camera = frame.levels.front().camera;
   const std::vector<SmoothLevel> levels = smooth_levels(frame);
   const double border = static_cast<double>(kLeastRadius) + 1;
   int alike = 0, all = 0;
-  for (const PlaceFeature& feature : features) {
+  for (const CornerFeature& feature : features) {
     const Eigen::Vector3d p = frame_from_features * feature.point.cast<double>();
     if (p.z() <= 0) continue;
     const Eigen::Vector2d pixel = project(camera, p);
@@ -257,7 +257,7 @@ struct Nearest {
 };
 
 // Distances from one descriptor to many.
-EDVO_CLONES void distances(const Descriptor& from, const PlaceFeature* to, std::size_t count,
+EDVO_CLONES void distances(const Descriptor& from, const CornerFeature* to, std::size_t count,
                            int* bits) {
   for (std::size_t k = 0; k < count; ++k) {
     const Descriptor& other = to[k].descriptor;
@@ -279,8 +279,8 @@ void offer(int bits, std::size_t index, Nearest& nearest) {
 
 }  // namespace
 
-std::vector<FeatureMatch> match_features(const std::vector<PlaceFeature>& a,
-                                         const std::vector<PlaceFeature>& b) {
+std::vector<FeatureMatch> match_features(const std::vector<CornerFeature>& a,
+                                         const std::vector<CornerFeature>& b) {
   std::vector<Nearest> of_a(a.size()), of_b(b.size());
   std::vector<int> bits(b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -361,9 +361,10 @@ SE3 fit_some(const Pairs& pairs, const std::vector<int>& which) {
 
 }  // namespace
 
-RigidMotion estimate_motion(const std::vector<PlaceFeature>& a, const std::vector<PlaceFeature>& b,
-                            const std::vector<FeatureMatch>& matches, std::uint64_t seed) {
-  RigidMotion result;
+CornerMotion estimate_motion(const std::vector<CornerFeature>& a,
+                             const std::vector<CornerFeature>& b,
+                             const std::vector<FeatureMatch>& matches, std::uint64_t seed) {
+  CornerMotion result;
   const auto count = static_cast<int>(matches.size());
   if (count < 3) return result;
   Pairs pairs{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count)};
