@@ -58,6 +58,30 @@ TEST(LossCause, AMotionFasterThanAnyCameraIsALoss) {
   EXPECT_EQ(loss_cause(all, {}, kState, stamp_from_seconds(1.2)), LossCause::kNone);
 }
 
+TEST(IsUnlike, AsksForLittleWhereOnlyPartsAreHiddenAndForMoreWhereNothingCorrelates) {
+  EXPECT_FALSE(is_unlike(result(40, 0.95), 0.2, kState));  // what is not hidden correlates
+  EXPECT_TRUE(is_unlike(result(40, 0.8), 0.2, kState));
+  EXPECT_FALSE(is_unlike(result(40, 0.8), 0.4, kState));
+  EXPECT_TRUE(is_unlike(result(40, 0.6), 0.4, kState));
+  EXPECT_FALSE(is_unlike(result(40, 0.6), 0.6, kState));
+}
+
+TEST(IsUnlike, AsksForMoreOfTheFirstMotionOfASegment) {
+  const TrackingState first{.stamp = stamp_from_seconds(1.0)};
+  EXPECT_FALSE(is_unlike(result(18, 0.85), 0.7, first));
+  EXPECT_FALSE(is_unlike(result(25, 0.93), 0.7, first));
+  EXPECT_TRUE(is_unlike(result(25, 0.85), 0.7, first));
+  EXPECT_FALSE(is_unlike(result(25, 0.85), 0.7, kState));
+}
+
+TEST(LocalFit, IsAskedForOnlyWhereResidualsAreLarge) {
+  const Frame key = test::plane_frame({}), far = test::plane_frame(test::motion(3, 0, 0, 0, 0, 0));
+  const Reference reference = make_reference(key, test::grid_pixels(key, 7), {});
+  AlignScratch scratch;
+  EXPECT_EQ(local_fit(result(8, 0.9), reference, far, {}, scratch), 1);
+  EXPECT_LT(local_fit(result(30, 0.9), reference, far, {}, scratch), 0.5);
+}
+
 TEST(ImageFault, NamesWhatAnImageLacks) {
   const Frame whole = test::plane_frame({});
   const SelectOptions options{.min_gradient = 0};

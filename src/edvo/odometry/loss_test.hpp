@@ -20,4 +20,17 @@ namespace edvo {
 // if it had some. Reads a grid of pixels.
 [[nodiscard]] bool has_constant_depth(const Frame& frame, const SelectOptions& options);
 
+// Local correlation of the images as a result brings them together [-1..1]; 1 where residuals are
+// small enough not to need it.
+[[nodiscard]] double local_fit(const AlignResult& result, const Reference& reference,
+                               const Frame& frame, const AlignOptions& options,
+                               AlignScratch& scratch);
+
+// Whether a result of this local fit leaves room for a better one.
+[[nodiscard]] bool fits_poorly(double fit);
+
+// Whether the images have nothing in common as a result of this local fit brings them together. Of
+// the first motion of a segment, for which no residuals are usual yet, more is asked.
+[[nodiscard]] bool is_unlike(const AlignResult& result, double fit, const TrackingState& state);
+
 }  // namespace edvo

@@ -216,6 +216,7 @@ bool Odometry::State::insert_into(Segment& target, const Frame& original,
         make_surface(frame.depth, undistortion.camera, config.tracking.surface_cell,
                      config.tracking.depth_noise, std::move(target.reference.surface));
   result.milliseconds.selection = watch.lap();
+  target.corners = KeyframeCorners(frame);
   target.keyframe = map.add(frame.stamp, target.id, world_from_camera);
   successors.emplace_back();
   target.window.add(target.keyframe, frame, world_from_camera, target.state.alignment,

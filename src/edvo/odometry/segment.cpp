@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "edvo/odometry/segment.hpp"
 
+#include "edvo/align/local_correlation.hpp"
 #include "edvo/odometry/loss_test.hpp"
 #include "edvo/odometry/readout_time.hpp"
 #include "edvo/odometry/resting_camera.hpp"
@@ -15,6 +16,9 @@ constexpr double kUsualShare = 0.1;      // weight of a new frame in the running
 constexpr double kLowGrowth = 1.02;      // of the low sigma, per frame
 constexpr double kWellExplained = 0.85;  // [0..1] of the image, see motion_judge.cpp
 constexpr int kDoubtful = 15;            // frames after a second motion
+
+constexpr double kBetterFit = 0.05;  // of another alignment: prefer this one
+constexpr int kNearLevels = 3;       // that a guess by corners is aligned at
 
 using Guesses = InplaceVector<Alignment, kMostCandidates>;
 
@@ -60,9 +64,23 @@ LossCause cause_of(const AlignResult& result, const Segment& segment, const Fram
                    const SE3& predicted, const AlignOptions& options, AlignScratch& scratch) {
   const LossCause cause = loss_cause(result, options, segment.state, frame.stamp);
   if (cause != LossCause::kNone) return cause;
+  const double fit = local_fit(result, segment.reference, frame, options, scratch);
+  if (is_unlike(result, fit, segment.state)) return LossCause::kUnlike;
   return is_refuted_by_depth(result, segment.reference, frame, predicted, options, scratch)
              ? LossCause::kOutliers
              : LossCause::kNone;
+}
+
+// From the motion that corners tell.
+AlignResult align_by_corners(Segment& segment, const Frame& frame, const Config& config,
+                             AlignScratch& scratch) {
+  const std::optional<SE3> motion = segment.corners.motion_to(frame);
+  if (!motion) return {};
+  Alignment guess = segment.state.alignment;
+  guess.cur_from_ref = *motion;
+  AlignOptions options = config.tracking;
+  options.coarsest_level = std::min(options.coarsest_level, options.finest_level + kNearLevels - 1);
+  return align(segment.reference, frame, guess, options, scratch, PositionPrior{});
 }
 
 // A search from far guesses, wherever the views still overlap: the alignment of least residuals.
@@ -79,6 +97,33 @@ AlignResult align_from_afar(const Segment& segment, const Frame& frame, const SE
   return best;
 }
 
+// Where a frame is lost, and where it fits poorly, other motions are tried: that of corners, which
+// may be a better one, and if it is lost, far ones.
+void look_further(Segment& segment, const Frame& frame, const SE3& velocity, const SE3& predicted,
+                  const Config& config, AlignScratch& scratch, AlignResult& result,
+                  LossCause& loss) {
+  const auto fit_of = [&](const AlignResult& r) {
+    return local_fit(r, segment.reference, frame, config.tracking, scratch);
+  };
+  const auto is_good = [&](const AlignResult& r) {
+    return cause_of(r, segment, frame, predicted, config.tracking, scratch) == LossCause::kNone;
+  };
+  const bool is_lost = loss != LossCause::kNone;
+  const double fit = fit_of(result);
+  if (!is_lost && !fits_poorly(fit)) return;
+  AlignResult other = align_by_corners(segment, frame, config, scratch);
+  const bool is_better =
+      is_good(other) &&
+      (is_lost || (!fits_poorly(fit_of(other)) && fit_of(other) > fit + kBetterFit));
+  if (!is_better) {
+    if (!is_lost) return;
+    other = align_from_afar(segment, frame, velocity, config, scratch);
+    if (!is_good(other)) return;
+  }
+  result = other;
+  loss = LossCause::kNone;
+}
+
 // Keyframes get no points where something moves otherwise, and what is clearly seen to be such a
 // point of the reference is left out from now on.
 void accept_motion(Segment& segment, const JudgedMotion& judged) {
@@ -90,6 +135,15 @@ void accept_motion(Segment& segment, const JudgedMotion& judged) {
   state.others = judged.others;
   if (!are_two || !judged.is_clear) return;
   segment.reference = points_outside(segment.reference, judged.cells, CellState::kUnexplained);
+}
+
+// Whether a result of large residuals brings less of the images together than another does.
+bool fits_worse(const AlignResult& result, const AlignResult& other, const MotionEvidence& evidence,
+                const AlignOptions& options, AlignScratch& scratch) {
+  const Reference& reference = evidence.reference;
+  return local_fit(result, reference, evidence.frame, options, scratch) <
+         local_correlation(reference, evidence.frame, options.finest_level, other.alignment,
+                           scratch);
 }
 
 // Takes the motion that the witness corrects a frame's to, or calls the frame lost.
@@ -104,7 +158,9 @@ void ask_witness(const Witness& witness, const MotionEvidence& evidence, const C
   aligned.in_front = said.in_front;
   if (said.correction) {
     if (loss_cause(*said.correction, config.tracking, state, evidence.frame.stamp) !=
-        LossCause::kNone)
+            LossCause::kNone ||
+        (aligned.loss == LossCause::kNone &&
+         fits_worse(*said.correction, aligned.result, evidence, config.tracking, scratch)))
       return;
     aligned.result = *said.correction;
     aligned.loss = LossCause::kNone;
@@ -159,13 +215,8 @@ SegmentAlignment align_in(Segment& segment, Frame& frame, const Config& config,
   const LossCause fault = loss == LossCause::kNone ? loss : image_fault(frame, config.selection);
   if (fault != LossCause::kNone) {
     loss = fault;
-  } else if (loss != LossCause::kNone) {
-    const AlignResult far = align_from_afar(segment, frame, velocity, config, scratch);
-    const LossCause far_loss = cause_of(far, segment, frame, predicted, config.tracking, scratch);
-    if (far_loss == LossCause::kNone) {
-      result = far;
-      loss = far_loss;
-    }
+  } else {
+    look_further(segment, frame, velocity, predicted, config, scratch, result, loss);
   }
   SegmentAlignment aligned = {
       .result = result, .loss = loss, .moving_object_frames = state.moving_object_frames};

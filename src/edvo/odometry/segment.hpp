@@ -5,6 +5,7 @@
 
 #include "edvo/map/map.hpp"
 #include "edvo/odometry/frame_result.hpp"
+#include "edvo/odometry/keyframe_corners.hpp"
 #include "edvo/odometry/motion_judge.hpp"
 #include "edvo/odometry/motion_predictor.hpp"
 #include "edvo/odometry/moving_object_guard.hpp"
@@ -19,6 +20,7 @@ struct Segment {
   std::int64_t tracked = 0;  // frames, without the one that began it
   KeyframeId keyframe = -1;  // the reference keyframe: the newest of this segment
   Reference reference;       // its points, which frames are aligned to
+  KeyframeCorners corners;   // of its image
   TrackingState state;
   int undecided_frames = 0;  // lost since the last good one to a second motion
   MotionPredictor predictor;
