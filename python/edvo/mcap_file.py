@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,13 +31,19 @@ class Recording:
         except ImportError:
             raise missing_extra("writing MCAP", "rosbags", "ros") from None
         self._store = get_typestore(Stores.ROS2_HUMBLE)
-        try:
+        self._file = file
+        with self._writing():
             self._stream = Path(file).open("wb")
-        except OSError as error:
-            raise Error(f"{file}: cannot be written: {error.strerror}", 7) from None
-        self._writer: Any = Writer(self._stream)
-        self._writer.start(profile="ros2", library="edvo")
+            self._writer: Any = Writer(self._stream)
+            self._writer.start(profile="ros2", library="edvo")
         self._channels: dict[str, int] = {}
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise Error(f"{self._file}: cannot be written: {error.strerror}", 7) from None
 
     def make(self, kind: str, **fields: Any) -> Any:
         return self._store.types[kind](**fields)
@@ -50,16 +58,21 @@ class Recording:
             self._channels[topic] = self._writer.register_channel(
                 topic=topic, message_encoding="cdr", schema_id=schema
             )
-        self._writer.add_message(
-            channel_id=self._channels[topic],
-            log_time=stamp_ns,
-            publish_time=stamp_ns,
-            data=bytes(self._store.serialize_cdr(message, kind)),
-        )
+        data = bytes(self._store.serialize_cdr(message, kind))
+        with self._writing():
+            self._writer.add_message(
+                channel_id=self._channels[topic],
+                log_time=stamp_ns,
+                publish_time=stamp_ns,
+                data=data,
+            )
 
     def close(self) -> None:
-        self._writer.finish()
-        self._stream.close()
+        with self._writing():
+            try:
+                self._writer.finish()
+            finally:
+                self._stream.close()
 
     def time(self, stamp_ns: int) -> Any:
         seconds, nanoseconds = divmod(stamp_ns, 10**9)
@@ -180,7 +193,8 @@ def covariance(result: FrameResult) -> NDArray[np.float64]:
 
 
 class McapObserver(Observer):
-    """Images, depth, camera, TF and poses as they come; at the end the path. File: MCAP."""
+    """Images and depth as they were recorded, camera, TF and poses as they come; at the end the
+    path. File: MCAP."""
 
     def __init__(self, file: str | Path) -> None:
         self._out = Recording(file)
@@ -192,9 +206,9 @@ class McapObserver(Observer):
     def frame(self, result: FrameResult, image: Image) -> None:
         out, stamp = self._out, result.stamp_ns
         assert self._camera is not None
-        out.write("/camera/color/image_raw", out.image(stamp, image.rgb, "rgb8"), stamp)
+        out.write("/camera/color/image_raw", out.image(stamp, image.recorded_rgb, "rgb8"), stamp)
         out.write("/camera/color/camera_info", out.camera_info(stamp, self._camera), stamp)
-        millimetres = np.nan_to_num(np.clip(np.round(image.depth * 1000), 0, 65534))
+        millimetres = np.nan_to_num(np.clip(np.round(image.recorded_depth * 1000), 0, 65534))
         depth = out.image(stamp, millimetres.astype(np.uint16), "16UC1")
         out.write("/camera/aligned_depth_to_color/image_raw", depth, stamp)
         if not result.ok:

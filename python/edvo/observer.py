@@ -32,15 +32,25 @@ class SourceInfo:
 
 
 class Image(Protocol):
-    """The image that a result was made from; its arrays are made when asked for."""
+    """The image that a result was made from; its arrays are made when asked for.
+
+    ``rgb`` and ``depth`` belong together, and ``recorded_rgb`` and ``recorded_depth`` do."""
 
     @property
     def rgb(self) -> NDArray[np.uint8]:
-        """H x W x 3, RGB, not undistorted"""
+        """H x W x 3, RGB, undistorted: of a pinhole with the camera's matrix"""
 
     @property
     def depth(self) -> NDArray[np.float32]:
         """H x W, undistorted [m], NaN = none"""
+
+    @property
+    def recorded_rgb(self) -> NDArray[np.uint8]:
+        """H x W x 3, RGB, as the camera has it"""
+
+    @property
+    def recorded_depth(self) -> NDArray[np.float32]:
+        """H x W, as the camera has it [m], NaN = none"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +77,8 @@ class Observer:
     """Watches a run: subclass it and override what is of interest.
 
     A run goes on when a method returns, so that slow ones belong in a thread of their own. Nothing
-    that an observer does changes a result; what it raises ends the run.
+    that an observer does changes a result; what it raises ends the run, which keeps its results so
+    far: it is the cause of the ``edvo.Error`` of ``edvo.run``.
     """
 
     def begin(self, source: SourceInfo) -> None:

@@ -1,29 +1,43 @@
 // SPDX-License-Identifier: MIT
 #include "observers.hpp"
 
+#include "python_error.hpp"
+
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace edvo::python {
 namespace {
 
-// One image of a run as observers get it; converted only if they ask.
+// One image of a run as observers get it, both undistorted or both not; converted only if they ask.
 class WatchedImage {
  public:
-  explicit WatchedImage(const Frame& frame) : bgr_(frame.bgr), depth_(frame.depth) {}
-  [[nodiscard]] nb::object rgb() const { return numpy_rgb(cv::Mat_<cv::Vec3b>(bgr_)); }
+  WatchedImage(const Frame& frame, std::shared_ptr<const Undistortion> undistortion)
+      : bgr_(frame.bgr), depth_(frame.depth), undistortion_(std::move(undistortion)) {}
+  [[nodiscard]] nb::object rgb() const {
+    return numpy_rgb(cv::Mat_<cv::Vec3b>(undistort_colour(*undistortion_, bgr_)));
+  }
   [[nodiscard]] nb::object depth() const { return numpy_depth(depth_.undistorted()); }
+  [[nodiscard]] nb::object recorded_rgb() const { return numpy_rgb(cv::Mat_<cv::Vec3b>(bgr_)); }
+  [[nodiscard]] nb::object recorded_depth() const { return numpy_depth(depth_.sensor()); }
 
  private:
   cv::Mat bgr_;
   Depth depth_;
+  std::shared_ptr<const Undistortion> undistortion_;
 };
+
+// What an observer wrote that failed for the system's reasons is output; anything else is a bug.
+ErrorCode code_of(const nb::python_error& error) {
+  return error.matches(PyExc_OSError) ? ErrorCode::kOutput : ErrorCode::kInternal;
+}
 
 // id, stamp_ns, segment, pose
 nb::dict keyframe_fields(std::int64_t id, const Stamp& stamp, int segment, const SE3& pose) {
@@ -96,48 +110,61 @@ PythonObservers::PythonObservers(const nb::list& observers) {
   }
 }
 
+// Tells each one, whatever another raises; throws the first error.
+template <typename Call>
+void PythonObservers::tell(const Call& call) {
+  if (observers_.empty()) return;
+  const nb::gil_scoped_acquire gil;
+  std::optional<Error> first;
+  for (const nb::object& observer : observers_) {
+    try {
+      call(observer);
+    } catch (nb::python_error& error) {
+      if (!cause_) cause_ = nb::borrow<nb::object>(error.value());
+      if (!first) first = to_error(error, code_of(error));
+    }
+  }
+  if (first) throw *first;
+}
+
 void PythonObservers::begin(const SourceInfo& source) {
   source_ = source;
   if (observers_.empty()) return;
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_) observer.attr("_begin")(source_fields(source));
+  undistortion_ = std::make_shared<const Undistortion>(make_undistortion(source.camera));
+  tell([&](const nb::object& observer) { observer.attr("_begin")(source_fields(source)); });
 }
 
 void PythonObservers::frame(const FrameResult& result, const Frame& image) {
   frames_.push_back(result);
   if (observers_.empty()) return;
   const nb::gil_scoped_acquire gil;
-  const nb::object picture = nb::cast(WatchedImage(image));
-  for (const nb::object& observer : observers_)
-    observer.attr("_frame")(result_dict(result), picture);
+  const nb::object picture = nb::cast(WatchedImage(image, undistortion_));
+  tell([&](const nb::object& observer) { observer.attr("_frame")(result_dict(result), picture); });
 }
 
 void PythonObservers::skipped(const SkippedFrame& frame) {
   skipped_.push_back(frame);
-  if (observers_.empty()) return;
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_)
+  tell([&](const nb::object& observer) {
     observer.attr("skipped")(frame.index, frame.stamp, frame.reason);
+  });
 }
 
 void PythonObservers::keyframe(const KeyframePtr& keyframe) {
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_)
+  tell([&](const nb::object& observer) {
     if (nb::cast<bool>(observer.attr("_wants_keyframes")()))
       observer.attr("_keyframe")(keyframe_dict(*keyframe));
+  });
 }
 
 void PythonObservers::map_changed(std::span<const MapKeyframe> keyframes) {
-  if (observers_.empty()) return;
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_) {
-    if (!nb::cast<bool>(observer.attr("_wants_map")())) continue;
+  tell([&](const nb::object& observer) {
+    if (!nb::cast<bool>(observer.attr("_wants_map")())) return;
     nb::list poses;
     for (const MapKeyframe& keyframe : keyframes)
       poses.append(keyframe_fields(keyframe.id, keyframe.stamp, keyframe.segment,
                                    keyframe.world_from_camera));
     observer.attr("_map_changed")(poses);
-  }
+  });
 }
 
 void PythonObservers::links(std::span<const LinkReport> links) {
@@ -145,15 +172,11 @@ void PythonObservers::links(std::span<const LinkReport> links) {
 }
 
 void PythonObservers::warning(const std::string& text) {
-  if (observers_.empty()) return;
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_) observer.attr("warning")(text);
+  tell([&](const nb::object& observer) { observer.attr("warning")(text); });
 }
 
 void PythonObservers::end(const RunOutcome& outcome) {
-  if (observers_.empty()) return;
-  const nb::gil_scoped_acquire gil;
-  for (const nb::object& observer : observers_) observer.attr("_end")(this->outcome(outcome));
+  tell([&](const nb::object& observer) { observer.attr("_end")(this->outcome(outcome)); });
 }
 
 nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
@@ -183,7 +206,9 @@ nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
 void add_observers(nb::module_& module) {
   nb::class_<WatchedImage>(module, "WatchedImage")
       .def_prop_ro("rgb", &WatchedImage::rgb)
-      .def_prop_ro("depth", &WatchedImage::depth);
+      .def_prop_ro("depth", &WatchedImage::depth)
+      .def_prop_ro("recorded_rgb", &WatchedImage::recorded_rgb)
+      .def_prop_ro("recorded_depth", &WatchedImage::recorded_depth);
 }
 
 }  // namespace edvo::python

@@ -3,8 +3,10 @@
 #pragma once
 
 #include "bindings.hpp"
+#include "edvo/image/undistortion.hpp"
 #include "edvo/run/observer.hpp"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -15,7 +17,7 @@ namespace edvo::python {
 [[nodiscard]] nb::dict source_fields(const SourceInfo& info);
 
 // Keeps the results and tells a list of edvo.Observer. Takes the GIL only if there is someone to
-// tell. Created and destroyed with the GIL; what Python raises passes through the run.
+// tell. Created and destroyed with the GIL; what Python raises becomes Error, and cause().
 class PythonObservers final : public Observer {
  public:
   explicit PythonObservers(const nb::list& observers);
@@ -33,11 +35,18 @@ class PythonObservers final : public Observer {
   // With the GIL.
   // The fields of edvo.Run, but for its evaluation.
   [[nodiscard]] nb::dict outcome(const RunOutcome& outcome) const;
+  // The first exception of an observer; null if there was none.
+  [[nodiscard]] const nb::object& cause() const { return cause_; }
 
  private:
+  template <typename Call>
+  void tell(const Call& call);
+
   std::vector<nb::object> observers_;
   bool wants_keyframes_ = false;
   SourceInfo source_;
+  std::shared_ptr<const Undistortion> undistortion_;
+  nb::object cause_;
   std::vector<FrameResult> frames_;
   std::vector<SkippedFrame> skipped_;
   std::vector<LinkReport> links_;

@@ -36,6 +36,9 @@ class Depth {
   // those of the sensor's pixels.
   void look_up(std::vector<std::int32_t>& pixels, std::vector<float>& depths) const;
 
+  // All of it as the sensor has it: H x W, [m], NaN = none. Not to be written to.
+  [[nodiscard]] const cv::Mat_<float>& sensor() const { return values_; }
+
   // All of it, for who reads most pixels: H x W, [m], NaN = none.
   [[nodiscard]] cv::Mat_<float> undistorted() const;
 
