@@ -289,3 +289,67 @@ def test_a_bag_with_rvl_depth_is_read(
     for read, frame in zip(BagSource(recorder.path), frames[:3], strict=True):
         known = np.isfinite(frame.depth)
         assert np.abs(read.depth - frame.depth)[known].max() <= 0.0006
+
+
+def test_types_as_old_recorders_named_them_are_known(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    folder = record("mcap", tmp_path, camera, frames[:3])
+    (file,) = folder.glob("*.mcap")
+    old = tmp_path / "old.mcap"
+    rename_types(file, old)
+    assert len(list(edvo.open_source(old))) == 3
+
+
+def rename_types(file: Path, old: Path) -> None:
+    """pkg/msg/Type becomes pkg/Type."""
+    from mcap.reader import make_reader
+    from mcap.writer import Writer
+
+    with file.open("rb") as source, old.open("wb") as target:
+        writer = Writer(target)
+        writer.start(profile="ros2")
+        channels: dict[str, int] = {}
+        for schema, channel, message in make_reader(source).iter_messages():
+            if channel.topic not in channels:
+                name = schema.name.replace("/msg/", "/")
+                known = writer.register_schema(name, schema.encoding, schema.data)
+                channels[channel.topic] = writer.register_channel(
+                    channel.topic, channel.message_encoding, known
+                )
+            writer.add_message(
+                channels[channel.topic], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+@pytest.mark.parametrize("mode", ["MESSAGE", "FILE"])
+def test_the_file_of_a_compressed_bag_is_opened_as_its_folder_is(
+    storage: str, mode: str, tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+    plain = record("db3", tmp_path, camera, frames[:3])
+    folder = tmp_path / "packed"
+    writer = Writer(folder, version=9, storage_plugin=StoragePlugin[storage])
+    if (storage, mode) == ("MCAP", "FILE"):
+        pytest.skip("MCAP compresses itself")
+    writer.set_compression(CompressionMode[mode], CompressionFormat.ZSTD)
+    from edvo.sources.bag_reader import open_bag
+
+    with open_bag(plain) as reader, writer:
+        copies = {
+            c.topic: writer.add_connection(c.topic, c.msgtype, typestore=reader.typestore)
+            for c in reader.connections
+        }
+        for connection, stamp, raw in reader.messages():
+            writer.write(copies[connection.topic], stamp, raw)
+    (file,) = (f for f in folder.iterdir() if f.name != "metadata.yaml")
+    for place in (folder, file):
+        assert len(list(edvo.open_source(place))) == 3
+    if mode == "FILE":
+        alone = tmp_path / file.name
+        file.rename(alone)
+        with pytest.raises(edvo.Error, match="give the folder with its metadata.yaml"):
+            edvo.open_source(alone)

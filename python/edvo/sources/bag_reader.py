@@ -20,7 +20,7 @@ STORAGES = {".db3": "sqlite3", ".mcap": "mcap"}
 def is_bag(path: Path) -> bool:
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
-    return path.suffix in (".bag", *STORAGES)
+    return path.suffix == ".bag" or is_recorded_file(path)
 
 
 @contextmanager
@@ -35,6 +35,7 @@ def open_bag(path: Path) -> Iterator[Any]:
         raise missing_extra(f"reading {path.name}", "rosbags", "ros") from None
     if not path.exists():
         raise Error(f"{path}: no such file or folder", code=3)
+    path = with_metadata(path)
     with tempfile.TemporaryDirectory(prefix="edvo-") as folder:
         place = path
         if path.suffix in STORAGES and not (path.is_dir()):
@@ -43,6 +44,7 @@ def open_bag(path: Path) -> Iterator[Any]:
         try:
             store = get_typestore(Stores.ROS2_HUMBLE)
             with AnyReader([place], default_typestore=store) as reader:
+                name_types(reader)
                 yield reader
         except (Error, FileNotFoundError) as error:
             raise error if isinstance(error, Error) else Error(f"{path}: {error}", 3) from None
@@ -112,6 +114,43 @@ def topics_of_mcap(file: Path) -> list[tuple[str, str, int]]:
     ]
 
 
+def with_metadata(path: Path) -> Path:
+    """The folder instead of its only file: its metadata.yaml says how the file is compressed."""
+    if path.is_dir() or not is_recorded_file(path):
+        return path
+    metadata = path.parent / "metadata.yaml"
+    files = [f for f in path.parent.iterdir() if is_recorded_file(f)] if metadata.is_file() else []
+    if files == [path] and path.name in metadata.read_text(encoding="utf-8", errors="replace"):
+        return path.parent
+    if path.name.endswith(".zstd"):
+        raise Error(
+            f"{path}: compressed by ros2 bag; give the folder with its metadata.yaml, or unpack it: "
+            f"zstd -d {shlex.quote(path.name)}",
+            code=3,
+        )
+    return path
+
+
+def is_recorded_file(path: Path) -> bool:
+    """Of a ROS 2 recording, as a whole compressed or not."""
+    return path.name.removesuffix(".zstd").endswith(tuple(STORAGES))
+
+
+def full_type(kind: str) -> str:
+    """sensor_msgs/Image, as old recorders wrote, is sensor_msgs/msg/Image."""
+    package, slash, name = kind.partition("/")
+    return f"{package}/msg/{name}" if slash and "/" not in name else kind
+
+
+def name_types(reader: Any) -> None:
+    """Old names made full ones, which are those of the messages' definitions."""
+    for storage in (part.storage for part in reader.readers if hasattr(part, "storage")):
+        for owner in (reader, storage, *getattr(storage, "storages", ())):
+            owner.connections[:] = [
+                c._replace(msgtype=full_type(c.msgtype)) if c.msgtype else c for c in owner.connections
+            ]
+
+
 def describe(file: Path, folder: Path) -> None:
     """A folder with the metadata that ros2 bag would have written beside the file."""
     storage = STORAGES[file.suffix]
@@ -130,6 +169,7 @@ def describe(file: Path, folder: Path) -> None:
         "  topics_with_message_count:",
     ]
     for name, kind, count in topics:
+        kind = full_type(kind)
         meta = f"{{name: {name}, type: {kind}, serialization_format: cdr, offered_qos_profiles: ''}}"
         lines.append(f"    - {{topic_metadata: {meta}, message_count: {count}}}")
     (folder / "metadata.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
