@@ -146,6 +146,14 @@ def other_clock(good: Memory) -> Memory:
     return Memory(good.camera, good.list, late)
 
 
+def two_poses(good: Memory) -> Memory:
+    """Far apart, and around all frames."""
+    truth = good.ground_truth
+    assert truth is not None
+    first, last = truth.stamps_ns[0] - 50 * 10**9, truth.stamps_ns[-1] + 50 * 10**9
+    return Memory(good.camera, good.list, edvo.Trajectory(np.array([first, last]), truth.values[:2]))
+
+
 FAULTS = [
     Fault("depth / 50", "depth_scale", of_images(depth=lambda z: z / np.float32(50))),
     Fault("depth x 10", "depth_scale", of_images(depth=lambda z: z * np.float32(10))),
@@ -157,6 +165,8 @@ FAULTS = [
     Fault("speckles", "speckles", of_images(depth=noisy)),
     Fault("depth of part of the image", "empty_borders", of_images(depth=with_border(0.2, np.nan))),
     Fault("depth moved by 8 px", "registration", of_images(depth=lambda z: np.roll(z, 8, axis=1))),
+    Fault("depth mirrored", "registration", of_images(depth=lambda z: np.ascontiguousarray(z[:, ::-1]))),
+    Fault("depth upside down", "registration", of_images(depth=lambda z: np.ascontiguousarray(z[::-1]))),
     Fault("depth of a wider view", "registration", of_images(depth=seen_wider)),
     Fault("depth two frames late", "time_offset", of_frames(late_depth)),
     Fault("camera of twice the size", "intrinsics", of_camera(2)),
@@ -167,6 +177,7 @@ FAULTS = [
     Fault("each image twice", "doubled_frames", of_frames(doubled)),
     Fault("stamps in milliseconds", "stamp_unit", of_frames(in_seconds_of_milliseconds)),
     Fault("another clock of the truth", "ground_truth_clock", other_clock),
+    Fault("two poses of truth", "ground_truth_clock", two_poses),
     Fault("pumping exposure", "exposure", of_frames(pumped)),
     Fault("mirrored", "mirrored", of_frames(mirrored), needs_truth=True),
 ]  # fmt: skip

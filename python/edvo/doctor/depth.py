@@ -160,18 +160,46 @@ def speckles(sample: Sample) -> Finding:
     return ok("speckles", measured)
 
 
+Borders = tuple[int, int, int, int]  # left, right [columns], top, bottom [rows]
+
+
+def borders_of(mask: NDArray[np.bool_]) -> Borders:
+    """Beside what is true; something must be."""
+    rows, columns = np.asarray(mask.any(axis=1)), np.asarray(mask.any(axis=0))
+    return (
+        int(np.argmax(columns)), int(np.argmax(columns[::-1])),
+        int(np.argmax(rows)), int(np.argmax(rows[::-1])),
+    )  # fmt: skip
+
+
+def unseen_borders(sample: Sample, metres: float) -> Borders:
+    """Where the depth camera, of which depth is registered here, does not look."""
+    if sample.registration is None:
+        return 0, 0, 0, 0
+    camera = sample.registration.depth
+    wall = np.full((camera.height, camera.width), metres, np.float32)
+    seen = np.nan_to_num(sample.registration(wall)) > 0
+    return borders_of(seen) if seen.any() else (0, 0, 0, 0)
+
+
 def empty_borders(sample: Sample) -> Finding:
     ever: NDArray[np.bool_] = np.zeros(next(iter(sample.frames())).depth.shape, bool)
+    distances = []
     for frame in sample.frames():
-        if frame.depth.shape == ever.shape:
-            ever = np.asarray(ever | (np.isfinite(frame.depth) & (frame.depth > 0)))
-    rows, columns = np.asarray(ever.any(axis=1)), np.asarray(ever.any(axis=0))
+        has_depth = np.isfinite(frame.depth) & (frame.depth > 0)
+        if frame.depth.shape == ever.shape and has_depth.any():
+            ever = np.asarray(ever | has_depth)
+            distances.append(float(np.median(frame.depth[has_depth])))
     if not ever.any():
         return unknown("empty_borders", "no depth")
     height, width = ever.shape
-    top, bottom = int(np.argmax(rows)), int(np.argmax(rows[::-1]))
-    left, right = int(np.argmax(columns)), int(np.argmax(columns[::-1]))
+    found = borders_of(ever)
+    left, right, top, bottom = found
     measured = f"never depth in {left} columns left, {right} right, {top} rows above, {bottom} below"
+    unseen = unseen_borders(sample, float(np.median(distances)))
+    if any(unseen):
+        measured += ", of which the depth camera does not see {}, {}, {}, {}".format(*unseen)
+    left, right, top, bottom = (max(0, a - b) for a, b in zip(found, unseen))
     if max(left, right) > 0.08 * width or max(top, bottom) > 0.08 * height:
         return Finding(
             "empty_borders",

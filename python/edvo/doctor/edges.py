@@ -147,6 +147,8 @@ def registration(sample: Sample) -> Finding:
     depth is 20 ms late. That is time_offset's to judge.
     """
     found = registration_apart(sample, 0)
+    if found.verdict == "unknown":
+        return mirrored_depth(sample) or found
     if found.verdict != "fault":
         return found
     fits = {k: EdgeFit(pairs_apart(sample, k)).best() for k in range(-REACH, REACH + 1)}
@@ -155,6 +157,32 @@ def registration(sample: Sample) -> Finding:
     if 0 in as_good:
         others.append(found)
     return next((other for other in others if other.verdict != "fault"), others[0])
+
+
+MIRRORS = {
+    "left to right": (slice(None), slice(None, None, -1)),
+    "upside down": (slice(None, None, -1), slice(None)),
+    "by half a turn": (slice(None, None, -1), slice(None, None, -1)),
+}
+
+
+def mirrored_depth(sample: Sample) -> Finding | None:
+    """A fault if edges of depth fit only after depth is mirrored."""
+    pairs = pairs_apart(sample, 0)
+    plain = EdgeFit(pairs).best()
+    for name, flip in MIRRORS.items():
+        turned = [(c, Frame(d.stamp_ns, d.rgb, d.depth[flip])) for c, d in pairs]
+        best = EdgeFit(turned).best()
+        if best >= LEAST_FIT and best > 1.5 * plain:
+            return Finding(
+                "registration",
+                "fault",
+                f"edges of depth fit edges of colour {best / max(plain, 1e-3):.1f} times as well when "
+                f"depth is mirrored {name}",
+                "depth or colour is mirrored: write both as the sensor sees them",
+                3,
+            )
+    return None
 
 
 def registration_apart(sample: Sample, apart: int) -> Finding:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from edvo.doctor.finding import Finding, ok, unknown
 from edvo.doctor.sample import Gray, Sample, to_gray
@@ -190,17 +191,32 @@ def dark_borders(sample: Sample) -> Finding:
     return ok("dark_borders", measured)
 
 
+LONGEST_GAP = 3 * 10**9  # [ns], of poses that one can be interpolated between
+
+
+def covered_share(stamps_ns: NDArray[np.int64], truth_ns: NDArray[np.int64]) -> float:
+    """Of stamps: those between two poses of the truth that are not far apart."""
+    after = np.searchsorted(truth_ns, stamps_ns)
+    inside = (after > 0) & (after < len(truth_ns))
+    at = np.clip(after, 1, max(1, len(truth_ns) - 1))
+    gaps = truth_ns[np.minimum(at, len(truth_ns) - 1)] - truth_ns[at - 1]
+    return float((inside & (gaps <= LONGEST_GAP) | np.isin(stamps_ns, truth_ns)).mean())
+
+
 def ground_truth_clock(sample: Sample) -> Finding:
     truth = sample.ground_truth
     if truth is None or len(truth) == 0:
         return unknown("ground_truth_clock", "no ground truth")
     first, last = int(sample.stamps_ns[0]), int(sample.stamps_ns[-1])
     begin, end = int(truth.stamps_ns[0]), int(truth.stamps_ns[-1])
-    overlap = (min(last, end) - max(first, begin)) / max(1, last - first)
+    overlap = covered_share(sample.stamps_ns, truth.stamps_ns)
     name = "the reference" if sample.is_reference_only else "ground truth"
     measured = f"{name} covers {100 * max(overlap, 0):.0f} % of the frames' time"
     if overlap > 0.3:
         return ok("ground_truth_clock", measured)
+    if min(last, end) - max(first, begin) > 0.3 * (last - first):
+        advice = f"it has {len(truth)} poses with gaps between them, where nothing can be compared"
+        return Finding("ground_truth_clock", "fault", measured, advice, 1)
     ratio = (begin + end) / max(1, first + last)
     advice = f"its clock is {(begin - first) * 1e-9:+.3f} s off: edvo eval --offset"
     for factor, unit in ((1e-9, "too small"), (1e3, "milliseconds"), (1e6, "microseconds")):

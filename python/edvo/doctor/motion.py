@@ -134,4 +134,10 @@ def scale(paths: Paths | str, sample: Sample) -> Finding:
         if units:
             advice = f"--depth-scale {units / paths.scale:.4g} would, or the focal length is wrong"
         return Finding("scale", "fault", measured, advice, 3)
+    if is_off:
+        return unknown(
+            "scale",
+            f"{measured}, but not well: error {1000 * paths.scaled_error:.0f} mm with it, "
+            f"{1000 * paths.error:.0f} mm without",
+        )
     return ok("scale", measured)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
+from edvo.registration import DepthRegistration
 from edvo.sources.bag import BagSource
 from edvo.sources.base import Arrays, Frame, Source
 from edvo.sources.folder import FolderSource
@@ -49,6 +50,7 @@ class Sample:
     unreadable: list[str] = field(default_factory=list)
     missing: int = 0  # frames of the list whose images are not there
     units_per_metre: float | None = None  # None = not known here
+    registration: DepthRegistration | None = None  # of depth of a camera of its own
 
     def frames(self) -> Iterator[Frame]:
         for group in self.groups:
@@ -82,6 +84,8 @@ def take(source: Source, size: Size = THOROUGH) -> Sample:
         source.camera, [], np.zeros(0, np.int64), source.ground_truth, source.is_reference_only
     )
     sample.depth_delay_ns = source.depth_delay_ns
+    own = getattr(source, "registration", None) or getattr(source, "_registration", None)
+    sample.registration = own
     if isinstance(source, (FolderSource, ListedSource)):
         for start in starts(len(source), size):
             group: list[Frame] = []
