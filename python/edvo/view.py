@@ -9,6 +9,7 @@ import os
 import queue
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -77,35 +78,52 @@ def open_sinks(recording: Any, record: str | Path | None, live: bool, with_image
         except OSError as error:
             raise Error(f"{record}: cannot be written: {error.strerror}", 7) from None
         sinks.append(rr.FileSink(str(record)))
-    if live and has_display():
-        rr.spawn(connect=False, port=GRPC_PORT)
-        sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{GRPC_PORT}/proxy"))
-    elif live:
-        address = f"rerun+http://127.0.0.1:{GRPC_PORT}/proxy"
-        serve_pages()
-        sinks.append(rr.GrpcSink(address))
+    if live:
+        port = free_port(GRPC_PORT)
+        if has_display():
+            rr.spawn(connect=False, port=port)
+        else:
+            serve_pages(port)
+        sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{port}/proxy"))
     recording.set_sinks(*sinks, default_blueprint=plan)
 
 
 SERVER: list[subprocess.Popen[bytes]] = []
 
 
-def serve_pages() -> None:
+def free_port(usual: int) -> int:
+    """The usual one, or any other if a program has it: a second view has a server of its own."""
+    for port in (usual, 0):
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return int(probe.getsockname()[1])
+    raise Error("view: no port of 127.0.0.1 is free", 10)
+
+
+def page_options(port: int) -> tuple[list[str], str]:
+    """Of Rerun's program that serves on this port, and where its page is."""
+    page = free_port(WEB_PORT)
+    options = ["--serve-web", "--bind", "127.0.0.1", "--port", str(port), "--web-viewer-port", str(page)]
+    address = (
+        f"view: http://localhost:{page}/?url=rerun%2Bhttp://localhost:{port}/proxy\n"
+        f"      from another machine first: ssh -L {page}:localhost:{page} "
+        f"-L {port}:localhost:{port} HOST"
+    )
+    return options, address
+
+
+def serve_pages(port: int) -> None:
     """Rerun's server and page, in a process of their own that ends with this one."""
-    command = [
-        *politely(), *rerun_program(), "--serve-web", "--bind", "127.0.0.1", "--port", str(GRPC_PORT),
-        "--web-viewer-port", str(WEB_PORT),
-    ]  # fmt: skip
+    options, address = page_options(port)
+    command = [*politely(), *rerun_program(), *options]
     server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     SERVER.append(server)
     atexit.register(server.terminate)
-    print(
-        f"view: http://localhost:{WEB_PORT}/?url=rerun%2Bhttp://localhost:{GRPC_PORT}/proxy\n"
-        f"      from another machine first: ssh -L {WEB_PORT}:localhost:{WEB_PORT} "
-        f"-L {GRPC_PORT}:localhost:{GRPC_PORT} HOST",
-        file=sys.stderr,
-        flush=True,
-    )
+    print(address, file=sys.stderr, flush=True)
 
 
 def politely() -> list[str]:
@@ -314,9 +332,11 @@ def show_file(file: Path) -> None:
         raise Error(f"{file}: no such file", 3)
     command = [*rerun_program(), str(file)]
     if not has_display():
-        command += ["--serve-web", "--bind", "127.0.0.1"]
-        command += ["--web-viewer-port", str(WEB_PORT), "--port", str(GRPC_PORT)]
-        print(f"view: http://localhost:{WEB_PORT}/?url=rerun%2Bhttp://localhost:{GRPC_PORT}/proxy")
+        options, address = page_options(free_port(GRPC_PORT))
+        command += options
+        print(address, flush=True)
+    else:
+        command += ["--port", str(free_port(GRPC_PORT))]
     subprocess.run(command, check=False)
 
 

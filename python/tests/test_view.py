@@ -142,3 +142,17 @@ def test_an_observer_that_fails_inside_says_so_and_goes_on(
     monkeypatch.setattr(watcher, "_log_frame", broken)
     assert edvo.run(Memory(camera, frames[:20]), observers=[watcher]).tracked == 20
     assert "no pixels" in watcher.failure
+
+
+def test_a_second_view_has_a_port_of_its_own() -> None:
+    import socket
+
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        busy = other.getsockname()[1]
+        port = view.free_port(busy)
+        assert port != busy
+        options, address = view.page_options(port)
+        assert str(port) in options and f":{port}/proxy" in address
+    assert view.free_port(busy) == busy
