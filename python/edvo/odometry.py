@@ -286,10 +286,19 @@ class Slam(Tracker):
         found: list[int] | None = self._core.map_segments()
         return found
 
-    def save_map(self, file: str | Path) -> None:
+    def save_map(self, file: str | Path, *, force: bool = False) -> None:
         """After ``finish``: keyframes, images and links, for ``Slam(map=...)`` and ``edvo run --map``.
-        The file appears whole or not at all, and replaces a map of that name; ``edvo.Error`` if it
-        is no map (code 7), or another program writes it (code 11)."""
+        The file appears whole or not at all, and replaces a map of that name only with ``force``;
+        ``edvo.Error`` if there is one or it is no map (code 7), if another program writes it
+        (code 11), and if there is nothing yet to save (code 2)."""
+        if not force and Path(file).is_file() and Path(file).stat().st_size > 0:
+            raise Error(
+                f"save_map {file}: there is such a file; give another name, or replace it with "
+                "force=True",
+                7,
+            )
+        if len(self.keyframes()) == 0:
+            raise Error(f"save_map {file}: nothing was tracked yet that could be saved", 2)
         self._core.save_map(Path(file))
 
     def links(self) -> list[Link]:

@@ -222,9 +222,15 @@ def test_a_map_replaces_no_other_file_and_a_map_only_if_told_to(
     slam = edvo.Slam(interrupted.camera)
     track(slam, few.list)
     slam.finish()
-    slam.save_map(file)  # by hand it is meant
+    with pytest.raises(edvo.Error, match="replace it with force=True$") as caught:
+        slam.save_map(file)
+    assert caught.value.code == 7
+    slam.save_map(file, force=True)
     with pytest.raises(edvo.Error, match="is no map of edvo"):
-        slam.save_map(notes)
+        slam.save_map(notes, force=True)
+    with pytest.raises(edvo.Error, match="nothing was tracked yet") as caught:
+        edvo.Slam(interrupted.camera).save_map(tmp_path / "empty.map")
+    assert caught.value.code == 2 and not (tmp_path / "empty.map").exists()
     assert notes.read_text() == "of weeks"
 
 
