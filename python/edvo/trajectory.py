@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,8 @@ class Trajectory:
 
     ``stamps_ns``: N, [ns]. ``values``: N x 7, tx ty tz [m] qx qy qz qw. ``decimals``: digits after
     the point with which a text file keeps the stamps. ``segments``: N; between poses of two
-    segments no motion is known.
+    segments no motion is known. Raises TypeError for stamps that are no integers, ValueError for
+    shapes that do not fit, ``edvo.Error`` (code 3) for stamps out of order.
     """
 
     stamps_ns: NDArray[np.int64]
@@ -45,7 +47,7 @@ class Trajectory:
         return f"Trajectory({len(self)} poses{parts}, {first:.3f} s to {last:.3f} s)"
 
     def __post_init__(self) -> None:
-        stamps = np.ascontiguousarray(self.stamps_ns, np.int64)
+        stamps = np.ascontiguousarray(integer_stamps(self.stamps_ns), np.int64)
         values = np.ascontiguousarray(self.values, np.float64).reshape(-1, 7)
         if len(stamps) != len(values):
             raise ValueError(f"{len(stamps)} stamps, but {len(values)} poses")
@@ -54,6 +56,7 @@ class Trajectory:
             segments = np.zeros(len(stamps), np.int64)
         if len(segments) != len(stamps):
             raise ValueError(f"{len(stamps)} poses, but {len(segments)} segments")
+        require_ascending(stamps)
         object.__setattr__(self, "stamps_ns", stamps)
         object.__setattr__(self, "segments", segments)
         object.__setattr__(self, "values", values)
@@ -117,19 +120,13 @@ class Trajectory:
         keep. Raises TypeError for stamps that are no integers, ValueError for shapes and matrices
         that do not fit, ``edvo.Error`` (code 3) for stamps out of order.
         """
-        times = np.asarray(stamps_ns)
-        if times.size and times.dtype.kind not in "iu":
-            raise TypeError(
-                f"stamps_ns: integers in nanoseconds are expected, got {times.dtype}; of seconds "
-                "they are numpy.round(seconds * 1e9).astype(numpy.int64)"
-            )
+        times = integer_stamps(stamps_ns)
         poses = np.asarray(poses, np.float64)
         if poses.shape != (len(times), 4, 4):
             raise ValueError(
                 f"poses: shape ({len(times)}, 4, 4) is expected for {len(times)} stamps, got "
                 f"{poses.shape}"
             )
-        require_ascending(times)
         require_rigid(poses)
         values = np.empty((len(poses), 7))
         values[:, :3] = poses[:, :3, 3]
@@ -193,6 +190,16 @@ def require_finite(trajectory: Trajectory) -> None:
             f"{trajectory.values[i].tolist()}; leave lost poses out",
             3,
         )
+
+
+def integer_stamps(stamps_ns: object) -> NDArray[Any]:
+    times = np.asarray(stamps_ns)
+    if times.size and times.dtype.kind not in "iu":
+        raise TypeError(
+            f"stamps_ns: integers in nanoseconds are expected, got {times.dtype}; of seconds "
+            "they are numpy.round(seconds * 1e9).astype(numpy.int64)"
+        )
+    return times
 
 
 def require_ascending(stamps_ns: NDArray[np.int64]) -> None:
