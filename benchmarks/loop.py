@@ -6,6 +6,7 @@ python3 benchmarks/loop.py SEQUENCE OUT 30000 && edvo run OUT
 SEQUENCE: a TUM-layout folder of `edvo synth` (or any whose lists give one depth image per colour
 image). OUT holds lists and links only; its calibration is copied.
 """
+import argparse
 import pathlib
 import shutil
 import sys
@@ -17,7 +18,12 @@ def entries(file):
 
 
 def main():
-    source, out, count = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]), int(sys.argv[3])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("sequence", type=pathlib.Path, help="of edvo synth, or any with lists")
+    parser.add_argument("out", type=pathlib.Path, help="folder of lists and links, made here")
+    parser.add_argument("frames", type=int, help="how many")
+    arguments = parser.parse_args()
+    source, out, count = arguments.sequence.resolve(), arguments.out, arguments.frames
     colour, depth = entries(source / "rgb.txt"), entries(source / "depth.txt")
     if len(colour) != len(depth):
         sys.exit(f"{source}: {len(colour)} colour and {len(depth)} depth images; need as many")

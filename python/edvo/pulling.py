@@ -89,7 +89,7 @@ def pull(
     if name not in items:
         near = difflib.get_close_matches(name, items, 1)
         hint = f"; did you mean {near[0]}?" if near else ""
-        raise Error(f"pull {name}: not known{hint} `edvo pull --list` shows all", 2)
+        raise Error(f"pull {name}: not known{hint}; `edvo pull --list` shows all", 2)
     item = items[name]
     if is_there(item):
         return description_of(item) if item.is_model else item.file
