@@ -124,9 +124,11 @@ class Host:
 
     def make_observers(self, values: dict[str, str]) -> list[Observer]:
         observers: list[Observer] = []
-        for option in ("--record", "--mcap"):
+        for option, ending in WRITTEN.items():
             if option in values:
-                require_new(option, values[option], "--force" in values)
+                require_output(option, values[option], ending, "--force" in values)
+        if "--record" in values and same_place(values["--record"], values.get("--mcap")):
+            raise Error(f"--mcap {values['--mcap']}: --record writes that file; give another name", 2)
         if "--view" in values or "--record" in values:
             from edvo.view import RerunObserver
 
@@ -169,6 +171,25 @@ def require_new(option: str, file: str | Path, force: bool) -> None:
         raise Error(
             f"{option} {file}: there is such a file; give another name, or replace it with --force", 7
         )
+
+
+WRITTEN = {"--record": ".rrd", "--mcap": ".mcap"}  # by option, with the ending
+
+
+def require_output(option: str, file: str | Path, ending: str, force: bool) -> None:
+    """As the program has it: before hours of work, not after them."""
+    place = Path(file)
+    if place.suffix and place.suffix.lower() != ending:
+        raise Error(f"{option} {file}: {place.suffix} is not written here, only {ending}", 2)
+    if place.is_dir():
+        raise Error(f"{option} {file}: is a folder; give the name of a file", 7)
+    if not place.parent.is_dir():
+        raise Error(f"{option} {file}: there is no folder {place.parent}", 7)
+    require_new(option, file, force)
+
+
+def same_place(one: str, other: str | None) -> bool:
+    return other is not None and Path(one).resolve() == Path(other).resolve()
 
 
 def width_and_height(text: str) -> tuple[int, int]:
@@ -297,11 +318,14 @@ def view(words: list[str]) -> int:
     parser.add_argument("--record", metavar="FILE.rrd", help="write a file instead of showing it")
     parser.add_argument("--force", action="store_true", help="replace a recording that is there")
     arguments = parser.parse_args(words)
+    is_recording = Path(arguments.run).suffix == ".rrd"
     if arguments.record is not None:
-        require_new("--record", arguments.record, arguments.force)
+        if is_recording:
+            raise Error(f"--record {arguments.record}: {arguments.run} is such a recording already", 2)
+        require_output("--record", arguments.record, WRITTEN["--record"], arguments.force)
     from edvo.view import show_file, show_run
 
-    if Path(arguments.run).suffix == ".rrd":
+    if is_recording:
         show_file(Path(arguments.run))
     else:
         show_run(Path(arguments.run), arguments.record)
