@@ -90,6 +90,7 @@ class EdvoNode final : public rclcpp::Node {
     reset_ = create_service<Trigger>(
         "~/reset", [this](const Trigger::Request::SharedPtr, Trigger::Response::SharedPtr answer) {
           tracking_.reset();
+          refused_ = restarts_ = 0;  // as the status
           answer->success = true;
         });
     save_ = create_service<Trigger>(
@@ -123,6 +124,12 @@ class EdvoNode final : public rclcpp::Node {
     if (status.refused > refused_)
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), 5000, "%s", status.last_problem.c_str());
     refused_ = status.refused;
+    if (status.restarts > restarts_)
+      RCLCPP_WARN(get_logger(),
+                  "the clock jumped back by %.1f s: odom begins anew at the origin, and what was "
+                  "seen before is not in the map",
+                  status.last_jump);
+    restarts_ = status.restarts;
     if (!output) return;
     if (!output->has_pose) {
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), 1000, "lost: %s",
@@ -172,7 +179,7 @@ class EdvoNode final : public rclcpp::Node {
   std::string odom_frame_, map_frame_, base_frame_, map_file_;
   bool publish_tf_;
   Tracking tracking_;
-  std::int64_t refused_ = 0;
+  std::int64_t refused_ = 0, restarts_ = 0;
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_;
   tf2_ros::TransformBroadcaster broadcaster_;

@@ -109,6 +109,51 @@ TEST(RosTracking, PairsByTimeAndCountsWhatHasNoPartner) {
   EXPECT_EQ(tracking.status().unpaired, 5);
 }
 
+TEST(RosTracking, OneLostImageShiftsNoLaterPair) {
+  World world;
+  for (const std::int64_t period : {33'333'333, 16'666'667, 11'111'111}) {
+    for (const std::int64_t late : {-3'000'000, 0, 3'000'000}) {  // depth's stamp after colour's
+      Tracking tracking({});
+      tracking.set_camera({test::kQvgaCamera, {}});
+      int pairs = 0;
+      for (int i = 0; i < 12; ++i) {
+        const RgbdImage image = synth::make_frame(world.sequence, i);
+        const std::int64_t stamp = i * period;
+        if (i != 4) {
+          const auto early = tracking.add_colour(colour_message(image, stamp));
+          EXPECT_TRUE(!early || early->stamp_ns < stamp) << "with the depth of another image";
+        }
+        const auto output = tracking.add_depth(depth_message(image, stamp + late));
+        pairs += output ? 1 : 0;
+        if (output && i > 1) {
+          EXPECT_EQ(output->stamp_ns, stamp);
+        }
+      }
+      EXPECT_GE(pairs, 10) << period << " " << late;
+      EXPECT_LE(tracking.status().unpaired, 2) << period << " " << late;
+    }
+  }
+}
+
+TEST(RosTracking, AClockThatJumpsBackBeginsAnew) {
+  World world;
+  Tracking tracking({});
+  tracking.set_camera({test::kQvgaCamera, {}});
+  constexpr std::int64_t kLater = 100'000'000'000;
+  for (int i = 0; i < 5; ++i) {
+    const RgbdImage image = synth::make_frame(world.sequence, 10 + i);
+    const std::int64_t stamp = kLater + image.stamp.nanoseconds;
+    (void)tracking.add_colour(colour_message(image, stamp));
+    EXPECT_TRUE(tracking.add_depth(depth_message(image, stamp)));
+  }
+  world.play(tracking, 0, 5);
+  ASSERT_EQ(world.outputs.size(), 5U);
+  EXPECT_EQ(world.outputs.front().result.status, FrameStatus::kFirst);
+  EXPECT_EQ(tracking.status().refused, 0);
+  EXPECT_EQ(tracking.status().restarts, 1);
+  EXPECT_NEAR(tracking.status().last_jump, 100, 1);
+}
+
 TEST(RosTracking, APairThatCannotBeUsedStopsNothing) {
   World world;
   Tracking tracking({});
@@ -167,6 +212,26 @@ TEST(RosTracking, SavesAMapThatTheLibraryLoads) {
   const SavedMap map = load_map(folder.path() / "room.map");
   EXPECT_FALSE(map.keyframes.empty());
   EXPECT_EQ(map.origin.camera.width, test::kQvgaCamera.width);
+}
+
+// Against a tracker that saves nothing: its pose after the save is where odom has to go on.
+TEST(RosTracking, OdomGoesOnWhereItWasAfterAMapIsSaved) {
+  World plain, saved;
+  const test::TemporaryFolder folder;
+  for (World* const world : {&plain, &saved}) {
+    Tracking tracking({});
+    tracking.set_camera({test::kQvgaCamera, {}});
+    world->play(tracking, 0, 10);
+    if (world == &saved) {
+      tracking.save_map(folder.path() / "room.map");
+      tracking.save_map(folder.path() / "again.map");
+    }
+    world->play(tracking, 10, 1);
+  }
+  const SE3 expected = plain.outputs.back().odom_from_base;
+  EXPECT_LT(log(inverse(expected) * saved.outputs.back().odom_from_base).norm(), 2e-5);
+  // What moved is the map, by more than that.
+  EXPECT_GT(log(saved.outputs.back().map_from_odom).norm(), 1e-4);
 }
 
 TEST(RosTracking, RefusesOptionsWithoutSense) {
