@@ -444,3 +444,26 @@ def test_folders_of_the_program_are_left_to_it(sequence: Path) -> None:
     assert read_by_core(sequence)
     source = FolderSource(sequence)
     assert source.frames == 64 and source.ground_truth is not None
+
+
+@pytest.mark.parametrize(
+    ("lines", "first"),
+    [
+        ("0 1758743290.320641\n1 1758743290.5\n2 1758743291.25\n", 1_758_743_290_320_641_000),
+        ("# index, time\n2,1758743291.25\n0,1758743290.320641\n1,1758743290.5\n", 1_758_743_290_320_641_000),
+        ("0 1758743290.3\n1 1758743290.5\n", 0),  # of one image there is none
+        ("0 1758743290.3\n1 1758743290.5\n2 1758743290.5\n", 0),
+    ],
+)  # fmt: skip
+def test_stamps_that_a_recorder_wrote_beside_numbered_images(
+    lines: str, first: int, tmp_path: Path
+) -> None:
+    for i in range(3):
+        write(tmp_path / f"color/{i}.png", colour_image(10 * (i + 1)))
+        write(tmp_path / f"depth/{i}.tiff", units(1000))
+    (tmp_path / "intrinsic").mkdir()
+    (tmp_path / "intrinsic/camera.txt").write_text("58.5 58.5 32 24")
+    (tmp_path / "timestamps.txt").write_text(lines)
+    source = check(tmp_path, 3)
+    assert next(iter(source)).stamp_ns == first and source.camera.fx == 58.5
+    assert any(("timestamps.txt" if first else "no time stamps") in note for note in source.notes)

@@ -81,6 +81,15 @@ TEST(CameraChoice, DistortionThatNoLensHasIsWarnedOf) {
   EXPECT_THAT(check_intrinsics(camera), ElementsAre(HasSubstr("which no lens does")));
 }
 
+TEST(CameraChoice, FindsTheFilesThatRecordersWriteBesideTheFolders) {
+  for (const char* const name : {"camera.txt", "intrinsic.txt", "intrinsic/camera.txt",
+                                 "intrinsic/intrinsic.txt", "intrinsic/intrinsics.txt"}) {
+    const test::TemporaryFolder folder;
+    folder.write(name, "600 600 320 240\n");
+    EXPECT_EQ(choose_camera(dataset_in(folder.path(), "some")).camera.pinhole.fx, 600) << name;
+  }
+}
+
 TEST(CameraChoice, KnowsIclNuimByItsGroundTruth) {
   const test::TemporaryFolder folder;
   Dataset dataset = dataset_in(folder.path(), "mine");

@@ -429,5 +429,47 @@ TEST(Dataset, LooksAtDepthBeyondEmptyAndDamagedImages) {
   EXPECT_THAT(open_dataset(folder.path()).warnings, Contains(HasSubstr("--depth-scale 10000")));
 }
 
+// Images 0 to 10 in color/ and depth/, whose names order as numbers, and what a recorder wrote.
+struct Numbered {
+  explicit Numbered(const std::string& stamps) {
+    for (int i = 8; i < 11; ++i) {
+      write_colour(folder.path() / fmt::format("color/{}.png", i), i);
+      write_depth(folder.path() / fmt::format("depth/{}.png", i), 5000 + i);
+    }
+    folder.write("timestamps.txt", stamps);
+  }
+  [[nodiscard]] Dataset open() const { return open_dataset(folder.path()); }
+  TemporaryFolder folder;
+};
+
+TEST(Dataset, NumberedImagesHaveTheStampsThatARecorderWroteByTheirNumbers) {
+  for (const char* const stamps :
+       {"8 1758743290.320641\n9 1758743290.5\n10 1758743291.25\n",
+        "# index,time\n10,1758743291.25\n8,1758743290.320641\n9,1758743290.5\n"}) {
+    const Numbered numbered(stamps);
+    const Dataset dataset = numbered.open();
+    ASSERT_THAT(dataset.frames, SizeIs(3));
+    EXPECT_EQ(to_string(dataset.frames[0].stamp), "1758743290.320641");
+    EXPECT_EQ(dataset.frames[2].stamp.nanoseconds, 1758743291'250000000);
+    EXPECT_EQ(dataset.frames[2].depth_stamp, dataset.frames[2].stamp);
+    EXPECT_THAT(dataset.notes, Contains(HasSubstr("timestamps.txt")));
+    EXPECT_THAT(dataset.warnings, IsEmpty());
+  }
+}
+
+TEST(Dataset, StampsThatDoNotFitTheNumberedImagesAreNotTakenAndItIsSaid) {
+  for (const auto& [stamps, problem] : std::vector<std::pair<std::string, std::string>>{
+           {"8 1\n9 2\n", "no line for 10.png"},
+           {"8 1\n9 2\n10 2\n", "do not increase at 10.png"},
+           {"8 1\n9 2\n9 3\n10 4\n", "index 9 was already there"},
+           {"1\n2\n3\n", "expected 2 fields"}}) {
+    const Numbered numbered(stamps);
+    const Dataset dataset = numbered.open();
+    EXPECT_EQ(dataset.frames[0].stamp.nanoseconds, 0) << stamps;
+    EXPECT_THAT(dataset.notes, Contains(HasSubstr("30 frames per second are assumed")));
+    EXPECT_THAT(dataset.warnings, Contains(HasSubstr(problem)));
+  }
+}
+
 }  // namespace
 }  // namespace edvo

@@ -40,6 +40,23 @@ def stamps_ns(files: list[Path]) -> list[int]:
     return [int(stem) * UNITS[unit] for stem in stems]
 
 
+def written_stamps(file: Path, images: list[Path]) -> list[int] | None:
+    """Of images whose names are numbers, as a recorder wrote them, "index seconds" in each line [ns];
+    None if one is missing or they do not increase."""
+    if not file.is_file():
+        return None
+    known: dict[int, int] = {}
+    for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
+        found = re.fullmatch(r"\s*(\d+)[\s,]+(\d+(?:\.\d*)?)\s*", line)
+        if found:
+            known[int(found[1])] = int(Decimal(found[2]) * 10**9)
+    numbers = [re.search(r"(\d+)\D*$", image.stem) for image in images]
+    stamps = [known.get(int(number[1])) if number else None for number in numbers]
+    whole = [stamp for stamp in stamps if stamp is not None]
+    is_whole = len(whole) == len(images) and all(a < b for a, b in zip(whole, whole[1:]))
+    return whole if is_whole else None
+
+
 def pair_by_name(
     colours: list[Path], depths: list[Path]
 ) -> tuple[list[tuple[int, Path, Path]], Pairing]:

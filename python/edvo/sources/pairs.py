@@ -16,12 +16,16 @@ from edvo.registration import DepthRegistration
 from edvo.sources.base import metres
 from edvo.sources.depth_cameras import read_depth_camera
 from edvo.sources.image_files import COLOUR_SUFFIXES, DEPTH_SUFFIXES, read_colour, read_depth
-from edvo.sources.image_stamps import have_stamps, pair_by_name
+from edvo.sources.image_stamps import have_stamps, pair_by_name, written_stamps
 from edvo.sources.listed import Entry, ListedSource
 from edvo.trajectory import Trajectory
 
 COLOUR_FOLDERS = ("rgb", "color", "colour", "image", "images")
 DEPTH_FOLDERS = ("depth", "depths", "depth_image", "depth_images")
+CAMERA_FILES = (
+    "camera.toml", "camera.yaml", "calibration.txt", "intrinsics.txt", "intrinsic.txt", "camera.txt",
+    "intrinsic/camera.txt", "intrinsic/intrinsic.txt", "intrinsic/intrinsics.txt",
+)  # fmt: skip
 LISTS = ("rgb.txt", "depth.txt", "assoc*.txt")  # say stamps and pairs themselves
 PICTURES = (".jpg", ".jpeg")  # of depth
 SCALE = re.compile(r"^\s*(?:depth_scale|(?:RGBD\.)?DepthMapFactor)\s*[:=]\s*([\d.eE+]+)", re.MULTILINE)
@@ -114,6 +118,10 @@ def pair_files(path: Path, folders: tuple[Path, Path]) -> tuple[list[tuple[int, 
             "needed where their names are not stamps",
             code=3,
         )
+    listed = path / "timestamps.txt"
+    stamps = written_stamps(listed, colours)
+    if stamps is not None:
+        return list(zip(stamps, colours, depths)), 0, f"time stamps from {listed}"
     numbered = [(round(1e9 * i / RATE), c, d) for i, (c, d) in enumerate(zip(colours, depths))]
     return numbered, 0, f"no time stamps, so {RATE:g} frames per second are assumed"
 
@@ -178,7 +186,7 @@ def choose_camera(
     if camera is not None:
         file = None if isinstance(camera, Camera) else Path(camera)
         return read_scaled(camera, camera_size, size), "as given", file
-    for name in ("camera.toml", "camera.yaml", "calibration.txt", "intrinsics.txt"):
+    for name in CAMERA_FILES:
         if (path / name).is_file():
             chosen = read_scaled(path / name, camera_size, size)
             return chosen, f"{path / name}, which is in the folder", path / name

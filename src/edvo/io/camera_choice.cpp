@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::array kCameraFiles = {
     "camera.toml", "camera.yaml", "camera.yml", "calibration.yaml", "calibration.yml",
-    "calibration.txt", "camera_info.yaml", "intrinsics.txt",
+    "calibration.txt", "camera_info.yaml", "intrinsics.txt", "intrinsic.txt", "camera.txt",
+    "intrinsic/camera.txt", "intrinsic/intrinsic.txt", "intrinsic/intrinsics.txt",
     // ScanNet; Open3D's and Redwood's recorders; 3DMatch, beside its seq-NN; Replica
     "intrinsic/intrinsic_depth.txt", "camera_intrinsic.json", "intrinsic.json",
     "camera_primesense.json", "camera-intrinsics.txt", "../camera-intrinsics.txt",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The layouts without time stamps: images matched by name or number.
+// The layouts without time stamps in names: images matched by name or number.
 #include "edvo/core/error.hpp"
 #include "edvo/io/dataset_layout.hpp"
+#include "edvo/io/text_list.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
@@ -89,12 +90,70 @@ Keyed<NumberLess> by_number(const std::vector<path>& files) {
   return keyed;
 }
 
+// "index seconds" in each line of a file beside the folders.
+using StampOf = std::map<std::string, Stamp, NumberLess>;
+
+StampOf read_stamps(const path& file) {
+  StampOf stamps;
+  for (const ListLine& line : read_list(file, 2))
+    if (!stamps.emplace(line.fields[0], stamp_field(file, line, 1)).second)
+      throw Error(ErrorCode::kInput, fmt::format("{}:{}: index {} was already there", file.string(),
+                                                 line.number, line.fields[0]));
+  return stamps;
+}
+
+// Of each pair, in their order, by the number in the name of its colour image.
+std::vector<Stamp> stamps_in(const path& file, const Pairs& pairs) {
+  const StampOf known = read_stamps(file);
+  std::vector<Stamp> stamps;
+  for (const auto& [colour, depth] : pairs) {
+    const auto stamp = known.find(last_number(colour.stem().string()));
+    if (stamp == known.end())
+      throw Error(ErrorCode::kInput,
+                  fmt::format("{}: no line for {}", file.string(), colour.filename().string()));
+    if (!stamps.empty() && !(stamps.back() < stamp->second))
+      throw Error(ErrorCode::kInput, fmt::format("{}: the stamps do not increase at {}",
+                                                 file.string(), colour.filename().string()));
+    stamps.push_back(stamp->second);
+  }
+  return stamps;
+}
+
+// What a recorder wrote beside the folders, if it fits the images; says what became of it.
+std::vector<Stamp> written_stamps(const path& root, const Pairs& pairs, Listing& listing) {
+  const path file = root / "timestamps.txt";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};
+  try {
+    std::vector<Stamp> stamps = stamps_in(file, pairs);
+    listing.notes.push_back(
+        fmt::format("{} pairs matched by name; time stamps from {}", pairs.size(), file.string()));
+    return stamps;
+  } catch (const Error& error) {
+    listing.warnings.push_back(fmt::format(
+        "time stamps are not taken from timestamps.txt, which needs a line \"index seconds\" for "
+        "each image: {}",
+        error.what()));
+    return {};
+  }
+}
+
+std::vector<Stamp> assumed_stamps(std::size_t count, double rate, Listing& listing) {
+  constexpr int kDecimals = 6;
+  std::vector<Stamp> stamps;
+  for (std::size_t i = 0; i < count; ++i)
+    stamps.push_back(stamp_from_seconds(static_cast<double>(i) / rate, kDecimals));
+  listing.notes.push_back(
+      fmt::format("{} pairs matched by name; no time stamps, so {} frames per second are assumed",
+                  count, rate));
+  return stamps;
+}
+
 }  // namespace
 
 Listing pair_numbered_files(const std::vector<path>& colour, const std::vector<path>& depth,
                             const DatasetOptions& options) {
   constexpr double kMillimetres = 1000;  // [units/m]
-  constexpr int kDecimals = 6;
   Listing listing;
   listing.layout = "numbered images";
   listing.colour_count = colour.size();
@@ -110,17 +169,14 @@ Listing pair_numbered_files(const std::vector<path>& colour, const std::vector<p
                             colour.front().parent_path().string(), colour.size(), depth.size(),
                             colour.front().filename().string(), depth.front().filename().string()));
 
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Stamp stamp =
-        stamp_from_seconds(static_cast<double>(i) / options.assumed_rate, kDecimals);
-    listing.frames.push_back({.stamp = stamp,
-                              .depth_stamp = stamp,
+  const path root = colour.front().parent_path().parent_path();
+  std::vector<Stamp> stamps = written_stamps(root, pairs, listing);
+  if (stamps.empty()) stamps = assumed_stamps(pairs.size(), options.assumed_rate, listing);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    listing.frames.push_back({.stamp = stamps[i],
+                              .depth_stamp = stamps[i],
                               .colour = std::move(pairs[i].first),
                               .depth = std::move(pairs[i].second)});
-  }
-  listing.notes.push_back(
-      fmt::format("{} pairs matched by name; no time stamps, so {} frames per second are assumed",
-                  pairs.size(), options.assumed_rate));
   if (pairs.size() < std::max(colour.size(), depth.size()))
     listing.warnings.push_back(fmt::format(
         "{}: {} colour and {} depth images make only {} pairs of the same name",
