@@ -48,6 +48,14 @@ TEST(Summary, HasAllThatIsNeededToRepeatTheRun) {
     EXPECT_TRUE(summary.contains(key)) << key;
 }
 
+TEST(Summary, HasNoUnitsOfDepthWhereFramesAreInMetres) {
+  const test::SampleRun run = sample_run(50);
+  RunDescription description = sample_description();
+  description.depth_scale = 0;
+  const json summary = json::parse(to_json(summarize(description, run.log, run.outcome)));
+  EXPECT_TRUE(summary["depth"]["units_per_metre"].is_null());
+}
+
 TEST(Summary, NamesNoErrorsWhereThereWasNothingToCompare) {
   test::SampleRun run = sample_run(50);
   run.outcome.evaluation.reset();

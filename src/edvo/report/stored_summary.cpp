@@ -121,7 +121,7 @@ RunDescription description_from(const Json& json) {
           .config = {},
           .camera = camera_from(json.at("camera")),
           .camera_origin = text_of(json.at("camera"), "origin"),
-          .depth_scale = number(depth, "units_per_metre"),
+          .depth_scale = maybe<double>(depth, "units_per_metre").value_or(0),
           .depth_origin = text_of(depth, "origin"),
           .is_depth_assumed = depth.at("assumed").get<bool>(),
           .frames = maybe<std::int64_t>(json.at("frames"), "total"),

@@ -315,7 +315,7 @@ std::string to_json(const RunSummary& summary) {
                {"error", nullptr},
                {"camera", camera_object(run)},
                {"depth",
-                {{"units_per_metre", run.depth_scale},
+                {{"units_per_metre", run.depth_scale > 0 ? Json(run.depth_scale) : Json()},
                  {"origin", run.depth_origin},
                  {"assumed", run.is_depth_assumed}}},
                {"frames",
