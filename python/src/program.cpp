@@ -5,6 +5,7 @@
 #include "observers.hpp"
 #include "python_error.hpp"
 #include "source.hpp"
+#include "stop_signal.hpp"
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
@@ -74,7 +75,8 @@ std::unique_ptr<RgbdSource> open_source(const nb::object& host, const app::Seque
   rethrow_python_errors([&] {
     const nb::object opened = ask_host(host, "open_source", choice, values);
     if (!opened.is_none())
-      source = make_source(opened, {.first = choice.first, .max_frames = choice.max_frames});
+      source = make_source(opened, {.first = choice.first, .max_frames = choice.max_frames},
+                           app::stop_requested);
   });
   return source;
 }

@@ -88,19 +88,32 @@ MappedOutcome run_recorded(RgbdSource& source, PythonObservers& watchers, const 
   return outcome;
 }
 
+// As an edvo.Error with what an observer raised as its cause.
+[[noreturn]] void raise_from(const Error& error, const nb::object& cause) {
+  const nb::object type = nb::module_::import_("edvo.errors").attr("Error");
+  const nb::object value = type(std::string(error.what()), static_cast<int>(error.code()));
+  value.attr("__cause__") = cause;
+  PyErr_SetObject(type.ptr(), value.ptr());
+  throw nb::python_error();
+}
+
 nb::dict run_source(const nb::object& source, const nb::list& observers, const RunChoice& choice,
                     std::int64_t max_frames, const nb::object& own_detector,
                     const std::optional<MaskArray>& mask) {
   Shared cause;
-  std::unique_ptr<RgbdSource> frames = make_source(source, {.max_frames = max_frames}, &cause);
+  std::unique_ptr<RgbdSource> frames =
+      make_source(source, {.max_frames = max_frames}, Interrupt::requested, &cause);
   if (mask) frames = std::make_unique<MaskedSource>(std::move(frames), to_mask(*mask), "the mask");
   PythonObservers watchers(observers);
   const Config config = config_of(choice.method, choice.changes);
   std::unique_ptr<EdgeDetector> detector = detector_of(config, frames->info().camera, own_detector);
   MappedOutcome outcome;
-  {
+  try {
     const nb::gil_scoped_release release;
     outcome = run_recorded(*frames, watchers, choice, config, std::move(detector));
+  } catch (const Error& error) {
+    if (watchers.cause()) raise_from(error, watchers.cause());
+    throw;
   }
   if (const auto untracked = failure_of(outcome.run, frames->info().origin); untracked) {
     outcome.run.error = untracked;
@@ -108,7 +121,9 @@ nb::dict run_source(const nb::object& source, const nb::list& observers, const R
     outcome.run.error = outcome.failure;
   }
   nb::dict fields = watchers.outcome(outcome.run);
-  fields["cause"] = cause ? *cause : nb::none();
+  fields["cause"] = nb::none();
+  if (watchers.cause()) fields["cause"] = watchers.cause();
+  if (cause) fields["cause"] = *cause;
   fields["map_segments"] = outcome.map_segments ? nb::cast(*outcome.map_segments) : nb::none();
   return fields;
 }

@@ -11,6 +11,7 @@
 #include "python_error.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -79,16 +80,25 @@ std::int64_t stamp_of(const nb::object& stamp, std::int64_t index) {
   return nb::cast<std::int64_t>(nb::int_(stamp));
 }
 
-// Iterates over source._pending(), which gives (stamp [ns], decimals, load).
+// Iterates over source._pending(), which gives (stamp [ns], decimals, load); over
+// source._awaited(), whose waits end when asked to, where someone else's code may wait.
 class IteratedSource final : public RgbdSource {
  public:
-  IteratedSource(const nb::object& source, const FrameRange& range, Shared* failure)
+  IteratedSource(const nb::object& source, const FrameRange& range,
+                 std::function<bool()> should_stop, Shared* failure)
       : range_(range),
         info_(info_of(source, range)),
         source_(share(source)),
         reads_late_(keeps_arrays(source)),
         failure_(failure) {
-    ask([&] { frames_ = share(nb::iter(source.attr("_pending")())); });
+    const auto asked_to_stop = [stopped = stopped_, should_stop = std::move(should_stop)] {
+      return *stopped || (should_stop && should_stop());
+    };
+    ask([&] {
+      frames_ =
+          share(nb::iter(reads_late_ ? source.attr("_pending")()
+                                     : source.attr("_awaited")(nb::cpp_function(asked_to_stop))));
+    });
   }
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -109,6 +119,7 @@ class IteratedSource final : public RgbdSource {
   }
 
   void stop() override {
+    *stopped_ = true;
     const nb::gil_scoped_acquire gil;
     rethrow_python_errors([&] { source_->attr("stop")(); });
   }
@@ -153,6 +164,7 @@ class IteratedSource final : public RgbdSource {
   Shared source_, frames_;
   bool reads_late_;
   Shared* failure_;
+  std::shared_ptr<std::atomic<bool>> stopped_ = std::make_shared<std::atomic<bool>>(false);
   std::int64_t index_ = 0;
 };
 
@@ -220,9 +232,10 @@ nb::dict source_fields(const SourceInfo& info) {
 }
 
 std::unique_ptr<RgbdSource> make_source(const nb::object& source, const FrameRange& range,
-                                        Shared* failure) {
+                                        std::function<bool()> should_stop, Shared* failure) {
   const nb::object native = source.attr("_native")();
-  if (native.is_none()) return std::make_unique<IteratedSource>(source, range, failure);
+  if (native.is_none())
+    return std::make_unique<IteratedSource>(source, range, std::move(should_stop), failure);
   return std::make_unique<NativeSource>(source, nb::cast<const FolderSource&>(native), range);
 }
 

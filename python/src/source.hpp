@@ -7,6 +7,7 @@
 #include "shared_object.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace edvo::python {
@@ -19,10 +20,12 @@ struct FrameRange {
 
 // source: an edvo.Source, which is kept alive. Folders are read by the C++ library without Python;
 // frames of others are asked for by whatever thread reads, one at a time, and copied before the
-// next one is asked for. failure: where to put what the source raises, if it does; must live
-// longer. Call it with the GIL; the result needs none, also when it is destroyed.
+// next one is asked for. should_stop: true ends the wait for a frame of a source of someone else's.
+// failure: where to put what the source raises, if it does; must live longer. Call it with the GIL;
+// the result needs none, also when it is destroyed.
 [[nodiscard]] std::unique_ptr<RgbdSource> make_source(const nb::object& source,
                                                       const FrameRange& range,
+                                                      std::function<bool()> should_stop,
                                                       Shared* failure = nullptr);
 
 void add_source(nb::module_& module);

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera, as_tuple
 from edvo.images import check_depth, check_rgb
+from edvo.sources.waiting import SILENCE, awaited
 from edvo.trajectory import Trajectory
 
 Arrays = tuple[NDArray[np.uint8], NDArray[np.float32]]
@@ -74,6 +75,16 @@ class Source(ABC):
                     "expected"
                 )
             yield frame.stamp_ns, frame.decimals, self._loader(lambda frame=frame: frame)  # type: ignore[misc]
+
+    def _awaited(
+        self, should_stop: Callable[[], bool]
+    ) -> Iterator[tuple[int, int, Callable[[], Arrays]]]:
+        """``_pending``, but a frame that does not come is waited for only until this says so, and
+        one of a live source ``SILENCE``."""
+        return awaited(self._pending(), should_stop, self.name, self._patience())
+
+    def _patience(self) -> float | None:
+        return SILENCE if self.is_live else None
 
     def _loader(self, read: Callable[[], Frame]) -> Callable[[], Arrays]:
         def load() -> Arrays:

@@ -13,9 +13,9 @@ from pathlib import Path
 from edvo.camera import Camera, read_scaled
 from edvo.errors import Error
 from edvo.sources.base import Frame, Source
+from edvo.sources.waiting import SILENCE
 
 WAIT = 0.2  # [s], after which a source that is to stop is asked again
-SILENCE = 5.0  # [s] without a frame, after which a camera is given up
 
 
 class LiveSource(Source):
@@ -47,6 +47,9 @@ class LiveSource(Source):
 
     def stop(self) -> None:
         self._stopped.set()
+
+    def _patience(self) -> float:
+        return 2 * SILENCE  # _frames() gives up before, and says more; a driver may hang inside
 
     def _begin(self) -> None:
         self.notes.clear()
