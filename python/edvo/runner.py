@@ -182,7 +182,7 @@ def run(
     (docs/maps.md), which replaces an earlier map only with ``force``. ``mask``: an image file or H x W array, black or 0 where colour images show what
     moves with the camera, as a robot's arm: not used. Frames that cannot be read or used are skipped and counted; ctrl-C ends the run,
     whose results so far are its results. Raises ``edvo.Error`` whose ``run`` has what was done: if the
-    source fails on the way (what it raised is the ``__cause__``), and with code 9 if no frame could
+    source or an observer fails on the way (what it raised is the ``__cause__``), and with code 9 if no frame could
     be tracked, as the program exits.
     """
     of_source, changes = split_keywords(keywords)

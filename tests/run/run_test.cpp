@@ -223,17 +223,49 @@ TEST(Run, KeepsWhatWasDoneWhateverTheTrackerThrows) {
   EXPECT_EQ(thrown([] { throw std::logic_error("a bug"); }), ErrorCode::kInternal);
 }
 
-TEST(Run, WhatAnObserverThrowsPassesThrough) {
-  class FullDisk final : public Observer {
-    void frame(const FrameResult& /*result*/, const Frame& /*image*/) override {
-      throw Error(ErrorCode::kOutput, "disk full");
+// Throws from one call on, as on a full disk.
+struct FullDisk final : Observer {
+  explicit FullDisk(int lasts) : left(lasts) {}
+  void frame(const FrameResult& /*result*/, const Frame& /*image*/) override { write(); }
+  void end(const RunOutcome& /*outcome*/) override { write(); }
+  void write() {
+    if (--left < 0) throw Error(ErrorCode::kOutput, "disk full");
+  }
+  int left;
+};
+
+TEST(Run, KeepsWhatWasDoneWhenAnObserverThrows) {
+  struct Listener final : Observer {
+    void end(const RunOutcome& outcome) override { told = outcome.error.has_value(); }
+    bool told = false;
+  };
+  const auto run_with = [](int lasts) {
+    MadeSource source(9, image_of);
+    FakeTracker tracker;
+    FullDisk disk(lasts);
+    Listener listener;
+    const RunOutcome outcome = run(source, tracker, {&disk, &listener});
+    EXPECT_TRUE(listener.told);
+    EXPECT_EQ(failure_of(outcome, "made")->code(), ErrorCode::kOutput);
+    EXPECT_THAT(outcome.error->what(), ::testing::HasSubstr("disk full"));
+    EXPECT_FALSE(outcome.interrupted);
+    return outcome.trajectory.size();
+  };
+  EXPECT_EQ(run_with(4), 5U);  // at the fifth frame
+  EXPECT_EQ(run_with(9), 9U);  // at the end
+}
+
+TEST(Run, WhatAnObserverThrowsAtTheBeginningPassesThrough) {
+  struct Refuses final : Observer {
+    void begin(const SourceInfo& /*source*/) override {
+      throw Error(ErrorCode::kOutput, "no such folder");
     }
   };
   MadeSource source(9, image_of);
   FakeTracker tracker;
-  FullDisk disk;
-  EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"disk full"},
-                               [&] { (void)run(source, tracker, {&disk}); }));
+  Refuses refuses;
+  EXPECT_TRUE(test::fails_with(ErrorCode::kOutput, {"no such folder"},
+                               [&] { (void)run(source, tracker, {&refuses}); }));
 }
 
 TEST(Run, StopsBetweenTwoFramesWhenAskedTo) {

@@ -66,11 +66,11 @@ void Recorder::warning(const std::string& text) {
 }
 
 void Recorder::end(const RunOutcome& outcome) {
+  summary_ = summarize(run_, log_, outcome);  // known even if nothing of it can be written
   write_trajectory(folder_ / "trajectory_online.tum", outcome.online);
   write_trajectory(folder_ / "trajectory.tum", outcome.trajectory);
   write_trajectory(folder_ / "keyframes.tum", outcome.keyframes);
   if (outcome.evaluation) write_trajectory(folder_ / "groundtruth.tum", outcome.evaluation->truth);
-  summary_ = summarize(run_, log_, outcome);
   write_whole(folder_ / "summary.json", to_json(summary_));
   if (!with_html_) return;
   log_.worst = choose_worst_frames(log_, outcome.evaluation, pictures_.frames());

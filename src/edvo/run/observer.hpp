@@ -16,7 +16,8 @@
 namespace edvo {
 
 // Observers get values and cannot change a result. All calls come from the thread of run(), which
-// goes on when they return. What they throw ends the run and passes through run().
+// goes on when they return. What they throw ends the run, which keeps its results so far, and is
+// its outcome's error; what begin() throws passes through run().
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -47,7 +48,7 @@ class Observer {
   virtual void warning(const std::string& /*text*/) {}
 
   // The last call, after finish() and the evaluation; also of a run that was stopped or ended in an
-  // error, but not if an observer threw.
+  // error, even of this observer.
   virtual void end(const RunOutcome& /*outcome*/) {}
 
  protected:

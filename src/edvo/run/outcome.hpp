@@ -84,7 +84,7 @@ struct RunOutcome {
   double wall_seconds = 0;     // of the frames, from the first asked for to the last pose
   double finish_seconds = 0;   // of finish(): the last pass over the whole recording
   bool interrupted = false;    // by RunOptions::should_stop
-  std::optional<Error> error;  // that ended the run: of the source, or of the tracker
+  std::optional<Error> error;  // that ended the run: of source, tracker or an observer
 };
 
 // As half a sentence: "hardly a pixel has a depth in range".

@@ -21,10 +21,23 @@ double seconds_between(Clock::time_point earlier, Clock::time_point later) {
   return std::chrono::duration<double>(later - earlier).count();
 }
 
-// Tells all observers the same.
+// Tells all observers the same. What one throws passes through: the later ones are not told.
 template <typename Member, typename... Values>
 void tell(const Observers& observers, Member member, const Values&... values) {
   for (Observer* const observer : observers) (observer->*member)(values...);
+}
+
+// Tells each the same, whatever another throws: the first error is the outcome's if it has none.
+template <typename Member, typename... Values>
+void tell_each(const Observers& observers, RunOutcome& outcome, Member member,
+               const Values&... values) {
+  for (Observer* const observer : observers) {
+    try {
+      (observer->*member)(values...);
+    } catch (...) {
+      if (!outcome.error) outcome.error = caught_error();
+    }
+  }
 }
 
 // The frame's result (also if it is lost), or why there is none: it could not be read or prepared,
@@ -112,6 +125,17 @@ void track_all(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observer
   outcome.interrupted = should_stop && should_stop();
 }
 
+// What the loop throws, which observers did, ends the run as an error of the source does.
+void track_all_kept(Prefetch<PreparedImage>& frames, Tracker& tracker, const Observers& observers,
+                    const std::function<bool()>& should_stop, std::uint64_t& map_version,
+                    RunOutcome& outcome) {
+  try {
+    track_all(frames, tracker, observers, should_stop, map_version, outcome);
+  } catch (...) {
+    outcome.error = caught_error();
+  }
+}
+
 void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth,
                    const SourceInfo& source, const Observers& observers) {
   if (!truth) {
@@ -123,10 +147,10 @@ void evaluate_into(RunOutcome& outcome, const std::optional<GroundTruth>& truth,
     if (const auto warning = warn_of_scale(*outcome.evaluation, source))
       outcome.evaluation->warnings.push_back(*warning);
     for (const std::string& warning : outcome.evaluation->warnings)
-      tell(observers, &Observer::warning, warning);
+      tell_each(observers, outcome, &Observer::warning, warning);
   } catch (const Error& error) {
     outcome.no_evaluation = fmt::format("{}: {}", truth->source, error.what());
-    tell(observers, &Observer::warning, "no evaluation: " + outcome.no_evaluation);
+    tell_each(observers, outcome, &Observer::warning, "no evaluation: " + outcome.no_evaluation);
   }
 }
 
@@ -142,22 +166,24 @@ RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& ob
     // From disk to Frame: of a recording ahead, mostly on other threads; of a live source on this.
     Prefetch frames([&](const PendingFrame& frame) { return tracker.prepare(frame.load()); },
                     source, {.threads = options.threads});
-    track_all(frames, tracker, observers, options.should_stop, map_version, outcome);
+    track_all_kept(frames, tracker, observers, options.should_stop, map_version, outcome);
     outcome.counts.dropped = frames.dropped();
   }
   const Clock::time_point last_pose = Clock::now();
   outcome.wall_seconds = seconds_between(start, last_pose);
   tracker.finish(options.threads);  // also after an error or a stop
   outcome.finish_seconds = seconds_between(last_pose, Clock::now());
-  tell_map(tracker.map(), map_version, observers);
+  if (tracker.map().version() != map_version)
+    tell_each(observers, outcome, &Observer::map_changed,
+              std::span<const MapKeyframe>(tracker.map().keyframes()));
   if (const std::vector<LinkReport> links = tracker.links(); !links.empty())
-    tell(observers, &Observer::links, std::span<const LinkReport>(links));
+    tell_each(observers, outcome, &Observer::links, std::span<const LinkReport>(links));
   outcome.trajectory = tracker.trajectory();
   outcome.keyframes = tracker.keyframe_trajectory();
   if (!outcome.trajectory.empty())
     evaluate_into(outcome, options.ground_truth ? options.ground_truth : source.info().ground_truth,
                   source.info(), observers);
-  tell(observers, &Observer::end, outcome);
+  tell_each(observers, outcome, &Observer::end, outcome);
   return outcome;
 }
 

@@ -27,7 +27,8 @@ using Observers = std::vector<Observer*>;  // told in this order
 // last keyframes, takes the trajectories, and compares them with ground truth if there is any.
 // Observers are told of each step as it happens, all from this thread. An Error(kInput) about a
 // frame skips that frame; any other error of source or tracker ends the run and is in the outcome.
-// Only what observers throw is thrown.
+// So does what an observer throws, which is the outcome's error; the others are told of the end, as
+// it is. Only what begin() throws is thrown.
 RunOutcome run_tracker(RgbdSource& source, Tracker& tracker, const Observers& observers,
                        const RunOptions& options);
 
