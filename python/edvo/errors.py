@@ -21,8 +21,8 @@ class Error(RuntimeError):
         self.code = code
         self.run: Run | None = None  # of edvo.run: what was done until then
 
-    def __reduce__(self) -> tuple[type[Error], tuple[str, int]]:
-        return Error, (str(self), self.code)
+    def __reduce__(self) -> tuple[type[Error], tuple[str, int], dict[str, Run | None]]:
+        return Error, (str(self), self.code), {"run": self.run}
 
 
 # What the program's messages call a flag, and what ``edvo.run`` does. Longer ones first.
