@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -255,8 +256,42 @@ def test_an_observer_that_raises_ends_the_run(
         def frame(self, result: edvo.FrameResult, image: edvo.Image) -> None:
             raise ZeroDivisionError("of an observer")
 
-    with pytest.raises(ZeroDivisionError, match="of an observer"):
+    with pytest.raises(edvo.Error, match="ZeroDivisionError: of an observer") as caught:
         edvo.run(Memory(camera, frames), observers=[Broken()])
+    assert isinstance(caught.value.__cause__, ZeroDivisionError) and caught.value.code == 1
+
+
+@pytest.mark.parametrize("when", ["begin", "frame", "keyframe", "end"])
+def test_an_observer_that_cannot_write_is_code_7_and_what_was_done_is_kept(
+    camera: edvo.Camera, frames: list[edvo.Frame], tmp_path: Path, when: str
+) -> None:
+    from conftest import Memory
+
+    def fail(self: Any, *arguments: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    ended = []
+
+    class Listener(edvo.Observer):
+        def end(self, run: edvo.Run) -> None:
+            ended.append(run)
+
+    broken = type("Broken", (edvo.Observer,), {when: fail})()
+    with pytest.raises(edvo.Error, match="No space left on device") as caught:
+        edvo.run(
+            Memory(camera, frames),
+            observers=[broken, Listener()],
+            output=tmp_path / "run",
+            save_map=tmp_path / "a.map",
+        )
+    assert caught.value.code == 7 and isinstance(caught.value.__cause__, OSError)
+    if when == "begin":  # nothing was done yet
+        assert caught.value.run is None and not ended
+        return
+    done = caught.value.run
+    assert done is not None and not done.interrupted and len(ended) == 1
+    assert len(done.trajectory) == (len(frames) if when == "end" else 1)
+    assert (tmp_path / "run" / "summary.json").is_file() and (tmp_path / "a.map").is_file()
 
 
 def unplugged(camera: edvo.Camera, frames: list[edvo.Frame]) -> edvo.Source:
@@ -323,9 +358,9 @@ def test_threads_take_turns_with_one_object(
     def look() -> None:
         while not stop.is_set():
             assert len(tracker.trajectory()) <= 30 and len(tracker.keyframes()) <= 30
-            if isinstance(tracker, edvo.Slam):
+            if isinstance(tracker, edvo.Slam) and len(tracker.keyframes()) > 0:
                 tracker.links()
-                tracker.save_map(tmp_path / "live.map")
+                tracker.save_map(tmp_path / "live.map", force=True)
 
     lookers = [threading.Thread(target=look) for _ in range(2)]
     for thread in lookers:
@@ -410,3 +445,66 @@ def test_stamps_of_frames_are_whole_nanoseconds(
     frame = edvo.Frame(stamp, frames[0].rgb, frames[0].depth)  # type: ignore[arg-type]
     with pytest.raises(edvo.Error, match=r"frame 0: stamp_ns .*0.1.*: whole nanoseconds"):
         edvo.run(Memory(camera, [frame]))
+
+
+def test_an_error_is_pickled_with_its_run(camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
+    with pytest.raises(edvo.Error) as caught:
+        edvo.run(unplugged(camera, frames))
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert (str(again), again.code) == (str(caught.value), caught.value.code)
+    assert again.run.tracked == 2
+
+
+SILENT = """
+import os, signal, sys, threading, time, edvo
+signal.signal(signal.SIGINT, signal.default_int_handler)
+class Silent(edvo.Source):
+    is_live = sys.argv[2] == "live"
+    def __init__(self):
+        super().__init__()
+        self.list = list(edvo.open_source(sys.argv[1]))[:3]
+        self.camera = edvo.open_source(sys.argv[1]).camera
+    def __iter__(self):
+        for frame in self.list:
+            time.sleep(0.5)
+            yield frame
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        time.sleep(3600)
+run = edvo.run(Silent())
+assert run.interrupted and run.tracked == 3, run
+print("kept")
+"""
+
+
+@pytest.mark.parametrize("kind", ["live", "recorded"])
+def test_ctrl_c_ends_the_wait_for_a_source(kind: str, sequence: Path) -> None:
+    command = [sys.executable, "-c", SILENT, str(sequence), kind]
+    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (result.returncode, result.stdout) == (0, "kept\n"), result.stderr
+
+
+def test_a_live_source_that_falls_silent_is_given_up(
+    camera: edvo.Camera, frames: list[edvo.Frame], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from conftest import Memory
+
+    monkeypatch.setattr("edvo.sources.base.SILENCE", 0.5)
+    ended = threading.Event()
+
+    class Silent(Memory):
+        is_live = True
+
+        def __iter__(self):  # type: ignore[no-untyped-def]
+            try:
+                yield self.list[0]
+                ended.wait(60)
+            finally:
+                ended.set()
+
+        def stop(self) -> None:
+            ended.set()
+
+    with pytest.raises(edvo.Error, match="no frame for 0.5 s") as caught:
+        edvo.run(Silent(camera, frames))
+    assert caught.value.code == 3 and caught.value.run is not None
+    assert caught.value.run.tracked == 1 and ended.wait(5)

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import edvo
 from edvo.cli import main
+from planted import Memory, changed
 
 
 @pytest.fixture(scope="module")
@@ -140,9 +145,14 @@ def test_no_file_is_replaced_unasked(
     file = tmp_path / "notes.txt"
     file.write_text("of weeks")
     assert main(["export", str(finished), str(file)]) == 7
-    assert main(["run", str(sequence), "--max-frames", "4", "--quiet", "--mcap", str(file)]) == 7
-    assert main(["run", str(sequence), "--max-frames", "4", "--quiet", "--record", str(file)]) == 7
-    assert main(["view", str(finished), "--record", str(file)]) == 7
+    recorded, bag = tmp_path / "a.rrd", tmp_path / "a.mcap"
+    recorded.write_text("of weeks")
+    bag.write_text("of weeks")
+    command = ["run", str(sequence), "--max-frames", "4", "--quiet"]
+    assert main([*command, "--mcap", str(bag)]) == 7
+    assert main([*command, "--record", str(recorded)]) == 7
+    assert main(["view", str(finished), "--record", str(recorded)]) == 7
+    assert recorded.read_text() == bag.read_text() == "of weeks"
     said = capfd.readouterr().err
     assert said.count("replace it with --force") == 4
     assert file.read_text() == "of weeks"
@@ -170,3 +180,130 @@ def test_a_pose_that_is_not_finite_is_not_written(format: str, tmp_path: Path) -
         trajectory.write(tmp_path / "out", format=format)
     assert refused.value.code == 3
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (["--record", "m.txt"], 2, "--record .*m.txt: .txt is not written here, only .rrd"),
+        (["--mcap", "m.bag"], 2, "--mcap .*m.bag: .bag is not written here, only .mcap"),
+        (["--record", "m", "--mcap", "m"], 2, "--record writes that file"),
+        (["--mcap", "."], 7, "is a folder"),
+        (["--mcap", "none/m.mcap"], 7, "there is no folder .*none"),
+    ],
+)
+def test_an_output_that_cannot_be_is_refused_before_the_run(
+    words: list[str], code: int, said: str, sequence: Path, tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    places = [word if word[:2] == "--" else str(tmp_path / word) for word in words]
+    out = tmp_path / "out"
+    assert main(["run", str(sequence), "--quiet", "-o", str(out), *places]) == code
+    assert re.search(said, capfd.readouterr().err) and not out.exists()
+
+
+def test_a_recording_is_not_recorded_again(
+    finished: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "a.rrd").touch()
+    assert main(["view", str(tmp_path / "a.rrd"), "--record", str(tmp_path / "b.rrd")]) == 2
+    assert "is such a recording already" in capfd.readouterr().err
+    assert main(["view", str(finished), "--record", str(tmp_path / "b.txt")]) == 2
+    assert ".txt is not written here" in capfd.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def bent(camera: edvo.Camera, frames: list[edvo.Frame]) -> Memory:
+    """What a lens with distortion sees: each of its pixels takes the nearest of a pinhole's."""
+    k1 = 0.15
+    y, x = np.mgrid[: camera.height, : camera.width].astype(float)
+    distorted = np.stack([(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy])
+    straight = distorted.copy()
+    for _ in range(20):
+        straight = distorted / (1 + k1 * (straight**2).sum(axis=0))
+    columns = np.rint(straight[0] * camera.fx + camera.cx).astype(int)
+    rows = np.rint(straight[1] * camera.fy + camera.cy).astype(int)
+
+    def seen(image: Any) -> Any:
+        return np.ascontiguousarray(image[rows, columns])
+
+    lens = edvo.Camera(
+        camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height, (k1, *[0.0] * 7)
+    )
+    return Memory(lens, changed(frames[:12], rgb=seen, depth=seen))
+
+
+def test_mcap_of_a_distorted_camera_can_be_tracked_again_to_the_same_poses(
+    bent: Memory, tmp_path: Path
+) -> None:
+    pytest.importorskip("rosbags")
+    from edvo.mcap_file import McapObserver
+
+    file = tmp_path / "bent.mcap"
+    first = edvo.run(bent, observers=[McapObserver(file)])
+    again = edvo.open_source(file)
+    assert again.camera == bent.camera
+    for a, b in zip(again, bent.list):
+        assert np.array_equal(a.rgb, b.rgb)
+        assert np.array_equal(np.isfinite(a.depth), np.isfinite(b.depth))
+        assert np.nanmax(np.abs(a.depth - b.depth)) <= 0.00051
+    second = edvo.run(again)
+    assert first.tracked == second.tracked == 12
+    apart = first.trajectory.positions - second.trajectory.positions
+    assert np.abs(apart).max() < 5e-4
+
+
+def test_watchers_get_colour_and_depth_of_one_camera(bent: Memory) -> None:
+    seen: list[edvo.Image] = []
+
+    class Keeper(edvo.Observer):
+        def frame(self, result: edvo.FrameResult, image: edvo.Image) -> None:
+            seen.append(image)
+
+    edvo.run(bent, observers=[Keeper()], max_frames=1)
+    frame, image = bent.list[0], seen[0]
+    assert np.array_equal(image.recorded_rgb, frame.rgb)
+    assert np.array_equal(image.recorded_depth, frame.depth, equal_nan=True)
+    assert not np.array_equal(image.rgb, frame.rgb)
+    assert not np.array_equal(image.depth, frame.depth, equal_nan=True)
+
+
+LIMITED = """
+import resource, sys
+from edvo.cli import main
+resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_recording_that_grows_too_large_costs_the_recording_only(
+    sequence: Path, tmp_path: Path
+) -> None:
+    pytest.importorskip("rosbags")
+    out = tmp_path / "out"
+    words = ["run", str(sequence), "--quiet", "-o", str(out), "--mcap", str(tmp_path / "a.mcap")]
+    result = subprocess.run(
+        [sys.executable, "-c", LIMITED, *words], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 7, result.stderr
+    assert "a.mcap: cannot be written: File too large" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert (out / "summary.json").is_file() and len(edvo.Trajectory.read(out)) > 3
+
+
+@pytest.mark.parametrize("stamps", [[0.1, 0.2], np.array([0.0, 1.0])])
+def test_stamps_of_a_trajectory_are_whole_nanoseconds(stamps: Any) -> None:
+    with pytest.raises(TypeError, match=r"round\(seconds \* 1e9\)"):
+        edvo.Trajectory(stamps, np.zeros((2, 7)))
+
+
+def test_a_trajectory_out_of_order_or_with_lost_poses_is_refused(tmp_path: Path) -> None:
+    values = np.tile([0.0, 0, 0, 0, 0, 0, 1], (2, 1))
+    with pytest.raises(edvo.Error, match=r"stamps_ns\[1\]: 1 is not later than 2") as caught:
+        edvo.Trajectory(np.array([2, 1]), values)
+    assert caught.value.code == 3
+    values[1, 0] = np.nan
+    for format in ("tum", "kitti", "euroc"):
+        with pytest.raises(ValueError, match=r"poses\[1\]: .*leave lost poses out"):
+            edvo.Trajectory(np.array([1, 2]), values).write(tmp_path / "a", format=format)
+    assert not (tmp_path / "a").exists()
