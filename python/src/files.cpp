@@ -5,6 +5,7 @@
 #include "edvo/io/image_file.hpp"
 #include "edvo/io/model_catalogue.hpp"
 #include "edvo/io/trajectory_file.hpp"
+#include "python_text.hpp"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 nb::tuple trajectory_tuple(const TrajectoryFile& file) {
-  return nb::make_tuple(numpy_trajectory(file.trajectory), file.warnings);
+  return nb::make_tuple(numpy_trajectory(file.trajectory), python_texts(file.warnings));
 }
 
 nb::list known_models_list() {

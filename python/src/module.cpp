@@ -3,6 +3,7 @@
 // in python/edvo.
 #include "bindings.hpp"
 #include "edvo/core/error.hpp"
+#include "python_text.hpp"
 #include "source.hpp"
 
 #include <exception>
@@ -17,7 +18,8 @@ void translate(const std::exception_ptr& exception, void*) {
     std::rethrow_exception(exception);
   } catch (const edvo::Error& error) {
     const nb::object type = nb::module_::import_("edvo.errors").attr("Error");
-    const nb::object instance = type(error.what(), static_cast<int>(error.code()));
+    const nb::object instance =
+        type(edvo::python::python_text(error.what()), static_cast<int>(error.code()));
     PyErr_SetObject(type.ptr(), instance.ptr());
   }
 }

@@ -2,6 +2,7 @@
 #include "observers.hpp"
 
 #include "python_error.hpp"
+#include "python_text.hpp"
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
@@ -145,7 +146,7 @@ void PythonObservers::frame(const FrameResult& result, const Frame& image) {
 void PythonObservers::skipped(const SkippedFrame& frame) {
   skipped_.push_back(frame);
   tell([&](const nb::object& observer) {
-    observer.attr("skipped")(frame.index, frame.stamp, frame.reason);
+    observer.attr("skipped")(frame.index, frame.stamp, python_text(frame.reason));
   });
 }
 
@@ -172,7 +173,7 @@ void PythonObservers::links(std::span<const LinkReport> links) {
 }
 
 void PythonObservers::warning(const std::string& text) {
-  tell([&](const nb::object& observer) { observer.attr("warning")(text); });
+  tell([&](const nb::object& observer) { observer.attr("warning")(python_text(text)); });
 }
 
 void PythonObservers::end(const RunOutcome& outcome) {
@@ -183,7 +184,7 @@ nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
   nb::list results, reasons;
   for (const FrameResult& result : frames_) results.append(result_dict(result));
   for (const SkippedFrame& frame : skipped_)
-    reasons.append("frame " + std::to_string(frame.index) + ": " + frame.reason);
+    reasons.append(python_text("frame " + std::to_string(frame.index) + ": " + frame.reason));
   nb::dict fields;
   fields["source"] = source_fields(source_);
   fields["counts"] = counts_dict(outcome.counts);
@@ -199,7 +200,7 @@ nb::dict PythonObservers::outcome(const RunOutcome& outcome) const {
   fields["error"] = nb::none();
   if (outcome.error)
     fields["error"] =
-        nb::make_tuple(std::string(outcome.error->what()), static_cast<int>(outcome.error->code()));
+        nb::make_tuple(python_text(outcome.error->what()), static_cast<int>(outcome.error->code()));
   return fields;
 }
 

@@ -9,6 +9,7 @@
 #include "edvo/core/error.hpp"
 #include "edvo/source/folder_source.hpp"
 #include "python_error.hpp"
+#include "python_text.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -205,22 +206,22 @@ nb::tuple frame_tuple(const FolderSource& folder, std::size_t index) {
 
 nb::dict info_dict(const SourceInfo& info) {
   nb::dict fields;
-  fields["name"] = info.name;
-  fields["origin"] = info.origin;
+  fields["name"] = python_text(info.name);
+  fields["origin"] = python_text(info.origin);
   fields["camera"] = camera_tuple(info.camera);
-  fields["camera_origin"] = info.camera_origin;
+  fields["camera_origin"] = python_text(info.camera_origin);
   fields["depth_scale"] = info.depth_scale;
-  fields["depth_origin"] = info.depth_origin;
+  fields["depth_origin"] = python_text(info.depth_origin);
   fields["is_depth_assumed"] = info.is_depth_assumed;
   fields["frames"] = info.frames;
   fields["is_live"] = info.is_live;
-  fields["notes"] = info.notes;
-  fields["warnings"] = info.warnings;
+  fields["notes"] = python_texts(info.notes);
+  fields["warnings"] = python_texts(info.warnings);
   fields["ground_truth"] = nb::none();
   fields["ground_truth_origin"] = "";
   if (info.ground_truth) {
     fields["ground_truth"] = numpy_trajectory(info.ground_truth->trajectory);
-    fields["ground_truth_origin"] = info.ground_truth->source;
+    fields["ground_truth_origin"] = python_text(info.ground_truth->source);
   }
   return fields;
 }
