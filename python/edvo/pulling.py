@@ -124,7 +124,7 @@ def is_there(item: Item) -> bool:
         return False
     import pooch
 
-    if pooch.file_hash(str(item.file)) != note.read_text(encoding="ascii").strip():
+    if pooch.file_hash(str(item.file)) != note.read_text(encoding="ascii", errors="replace").strip():
         raise Error(f"{item.file}: has changed since it was downloaded; remove it to fetch it again", 3)
     return True
 
@@ -201,7 +201,8 @@ class Resuming:
         import requests
 
         have = self._part.stat().st_size if self._part.exists() else 0
-        tag = self._tag.read_text(encoding="utf-8") if self._tag.exists() else ""
+        tag = self._tag.read_text(encoding="ascii", errors="replace") if self._tag.exists() else ""
+        tag = tag if tag.isascii() and tag.isprintable() else ""  # damaged: a header cannot hold it
         headers = {"Accept-Encoding": "identity"}
         if have and tag:
             headers |= {"Range": f"bytes={have}-", "If-Range": tag}
@@ -214,12 +215,12 @@ class Resuming:
             answer.raise_for_status()
             if answer.status_code != 206:
                 have = 0
-            length = answer.headers.get("Content-Length")
-            total = have + int(length) if length else None
+            length = answer.headers.get("Content-Length", "")
+            total = have + int(length) if length.isascii() and length.isdecimal() else None
             if self._item.bytes is not None and total not in (None, self._item.bytes):
                 raise Error(f"{url}: {total} bytes instead of {self._item.bytes}", MODEL)
             version = answer.headers.get("ETag") or answer.headers.get("Last-Modified") or ""
-            self._tag.write_text("" if version.startswith("W/") else version, encoding="utf-8")
+            self._tag.write_text("" if version.startswith("W/") else version, encoding="utf-8", errors="replace")
             with self._part.open("ab" if have else "wb") as stream:
                 for block in blocks(answer):
                     stream.write(block)

@@ -26,6 +26,8 @@ class DepthRegistration:
         if pose.shape != (4, 4):
             raise ValueError(f"colour_from_depth: shape (4, 4) is expected, got {pose.shape}")
         turn = pose[:3, :3]
+        if not np.isfinite(pose).all():
+            raise ValueError("colour_from_depth: not all of its numbers are finite")
         if np.abs(turn @ turn.T - np.eye(3)).max() > 1e-2 or np.linalg.det(turn) < 0:
             raise ValueError("colour_from_depth: its upper left 3 x 3 part is no rotation")
         self.depth = depth

@@ -12,6 +12,7 @@ from edvo.camera import Camera
 from edvo.errors import missing_extra
 from edvo.trajectory import Trajectory
 
+TRUTH, FINAL = [150, 150, 150], [90, 170, 255]  # colours
 MOST_ROWS = 100  # frames of which poses and curves are sent together
 
 

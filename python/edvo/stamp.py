@@ -8,6 +8,16 @@ from decimal import Decimal, InvalidOperation
 Seconds = float | int | str | Decimal
 
 
+LATEST = 9e9  # [s], 285 years
+
+
+def from_seconds(stamp: float) -> int:
+    """[ns], of a number in a file, to the last digit that it has. Raises ValueError for no time."""
+    if not abs(stamp) <= LATEST:
+        raise ValueError(f"stamp {stamp}: not a number of seconds (up to {LATEST:g})")
+    return round(1e9 * stamp)
+
+
 def nanoseconds(stamp: Seconds) -> tuple[int, int]:
     """A stamp in seconds as nanoseconds and its number of decimals.
 
@@ -28,6 +38,6 @@ def nanoseconds(stamp: Seconds) -> tuple[int, int]:
             stamp = float(stamp)
         except (TypeError, ValueError):
             raise TypeError(f"stamp {stamp!r}: seconds are expected, as a number or text") from None
-    if stamp != stamp or abs(stamp) > 9e9:
-        raise ValueError(f"stamp {stamp!r}: not a number of seconds (up to 9e9)")
+    if stamp != stamp or abs(stamp) > LATEST:
+        raise ValueError(f"stamp {stamp!r}: not a number of seconds (up to {LATEST:g})")
     return round(stamp * 1_000_000) * 1000, 6

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import atexit
-import json
 import os
 import queue
 import shutil
@@ -23,9 +22,10 @@ from numpy.typing import NDArray
 
 from edvo.camera import Camera
 from edvo.errors import Error
+from edvo.finished_run import log_run
 from edvo.observer import Image, Keyframe, KeyframePose, Observer, SourceInfo
 from edvo.odometry import FrameResult
-from edvo.rerun_log import Log, Rows, rerun
+from edvo.rerun_log import FINAL, TRUTH, Log, Rows, rerun
 from edvo.runner import Run
 from edvo.trajectory import Trajectory
 
@@ -37,7 +37,7 @@ PATH_PERIOD = 10  # frames between two drawings of the path in a recording
 SWITCH_SECONDS = 5e-5  # [s] after which a thread of Python lets another run; Python's own is 5e-3
 FLUSH_SECONDS = 10.0  # that a viewer has to take the last frames
 MOVED = 1e-4  # [m, rad] of a keyframe that is shown anew
-PATH, TRUTH, LOST, FINAL = [255, 160, 60], [150, 150, 150], [220, 50, 50], [90, 170, 255]
+PATH, LOST = [255, 160, 60], [220, 50, 50]
 
 
 def blueprint(with_images: bool = True) -> Any:
@@ -352,43 +352,3 @@ def show_run(folder: Path, record: str | Path | None = None) -> None:
     log.out.flush()
     if record is None:
         wait_for_pages()
-
-
-def log_run(log: Log, folder: Path) -> None:
-    rows = Rows(log)
-    with (folder / "frames.jsonl").open(encoding="utf-8") as lines:
-        for line in lines:
-            frame = json.loads(line)
-            log.at(round(float(frame["stamp"]) * 1e9))
-            if frame["status"] == "skipped":
-                log.event(f"frame {frame['index']} skipped: {frame['reason']}", "WARN")
-                continue
-            if frame["status"] == "lost":
-                log.event(f"lost: {frame['loss_cause']}", "WARN")
-            if frame["keyframe_reason"]:
-                log.event(f"keyframe: {frame['keyframe_reason']}")
-            pose = Trajectory(np.zeros(1, np.int64), np.array([frame["pose"]])).poses[0]
-            inliers, overlap = frame["inlier_ratio"] or np.nan, frame["overlap"] or np.nan
-            rows.add(round(float(frame["stamp"]) * 1e9), pose, inliers, overlap, frame["ms"]["total"])
-    rows.send()
-    trajectory = Trajectory.read(folder / "trajectory.tum")
-    log.lines("world/path_at_the_end", trajectory, FINAL)
-    if (folder / "keyframes.tum").is_file():
-        keyframes = Trajectory.read(folder / "keyframes.tum")
-        for i, pose in enumerate(keyframes.poses):
-            log.pose(f"world/keyframes/{i}", pose)
-    summary = folder / "summary.json"
-    evaluation = json.loads(summary.read_text(encoding="utf-8"))["evaluation"] if summary.is_file() else None
-    truth = Path(evaluation["ground_truth"]) if evaluation else None
-    if truth is not None and truth.is_file():
-        log_truth(log, Trajectory.read(truth), trajectory)
-
-
-def log_truth(log: Log, truth: Trajectory, trajectory: Trajectory) -> None:
-    from edvo.evaluation import evaluate
-
-    try:
-        pose = np.linalg.inv(evaluate(truth, trajectory).truth_from_estimate)
-    except Error:
-        return
-    log.line("world/ground_truth", truth.positions @ pose[:3, :3].T + pose[:3, 3], TRUTH)

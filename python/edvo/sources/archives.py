@@ -3,19 +3,26 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import zipfile
-import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 
 from edvo.errors import Error
 from edvo.sources.bag_reader import STORAGES
 from edvo.sources.folder import cache_folder
+from edvo.sources.untrusted import DAMAGE, one_line
 
 PYTHON_FILES = ("rgb.mp4", *(f"*{suffix}" for suffix in (".bag", *STORAGES)))
 PYTHON_IMAGES = (".tif", ".tiff", ".exr", ".npy", ".pgm", ".ppm", ".bmp", ".depth")
+
+
+# Images hardly compress: what grows more is made to fill the disk. As the C++ program has it.
+LARGEST_GROWTH, ALWAYS_ALLOWED = 100, 1 << 26  # [bytes]
+# Of names in the archive, not of the disk.
+BAD_NAMES = (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EINVAL, errno.EILSEQ)
 
 
 def is_for_python(path: Path) -> bool:
@@ -25,7 +32,9 @@ def is_for_python(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             names = [PurePosixPath(name) for name in archive.namelist()]
-    except (zipfile.BadZipFile, OSError):
+    except OSError:
+        return False
+    except DAMAGE:
         return False  # the C++ library says what is wrong
     names = [name for name in names if "__MACOSX" not in name.parts and name.name[:1] != "."]
     return any(
@@ -66,6 +75,11 @@ def extract(archive: Path, folder: Path) -> None:
                 if name.startswith("/") or ".." in PurePosixPath(name).parts:
                     raise Error(f"{archive}: entry {name!r} would be written outside the folder", 3)
             size = sum(entry.file_size for entry in files.infolist())
+            packed = archive.stat().st_size
+            if size > ALWAYS_ALLOWED and size > LARGEST_GROWTH * packed:
+                raise Error(
+                    f"{archive}: unpacks to more than {LARGEST_GROWTH} times its size of {packed} bytes", 3
+                )
             free = shutil.disk_usage(folder).free
             if size > free:
                 raise Error(
@@ -77,9 +91,11 @@ def extract(archive: Path, folder: Path) -> None:
     except Error:
         raise
     except OSError as error:
+        if error.errno in BAD_NAMES:
+            raise Error(f"{archive}: an entry cannot be written: {error.strerror}", 3) from None
         raise Error(f"{folder.parent}: {error.strerror}; XDG_CACHE_HOME moves the cache", 7) from None
-    except (zipfile.BadZipFile, zlib.error, RuntimeError, NotImplementedError) as error:
-        raise Error(f"{archive}: damaged, or encrypted: {error}", code=3) from None
+    except DAMAGE as error:
+        raise Error(f"{archive}: damaged, or encrypted: {one_line(error)}", code=3) from None
 
 
 def places_in(folder: Path) -> Iterator[Path]:

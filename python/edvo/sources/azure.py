@@ -14,13 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.camera import Camera, read_scaled
-from edvo.errors import Error, missing_extra
+from edvo.errors import Error
 from edvo.registration import DepthRegistration
-from edvo.sources.base import Frame, Source, metres
+from edvo.sources.base import Frame, Source, metres, require_size
 from edvo.sources.listed import shrunk
 from edvo.sources.phones import WIDEST, shrunk_camera
+from edvo.sources.untrusted import DAMAGE, check_pixels, reading
+from edvo.sources.videos import open_video
 
 MILLIMETRES = 1000.0
+MOST_WAITING = 60  # images that wait for their depth, and the other way round
+LATEST_NS = 9 * 10**18
 TOGETHER_NS = 17_000_000  # between a colour image and its depth
 # Of each mode: the sensor's pixels as they are binned, and what is cut off left and above; the
 # calibration is of the whole sensor.
@@ -76,12 +80,19 @@ class AzureSource(Source):
         self._path = Path(path)
         self.name = self._path.stem
         self.origin = f"{path} (Azure Kinect)"
-        with self._open() as video:
+        with reading(path), open_video(self._path) as video:
             colour, depth = self._streams(video)
             cameras = self._calibration(video)
             size = (colour.codec_context.width, colour.codec_context.height)
             self._shape = (depth.codec_context.height, depth.codec_context.width)
             self.frames = colour.frames or None
+        check_pixels(path, *size)
+        with reading(f"{path}: calibration.json", 5):
+            self._set_cameras(cameras, size, camera)
+
+    def _set_cameras(
+        self, cameras: dict[str, dict[str, Any]], size: tuple[int, int], camera: Camera | str | Path | None
+    ) -> None:
         own = camera_of(cameras["PV0"], *size, is_depth=False)
         depth_camera = camera_of(cameras["D0"], self._shape[1], self._shape[0], is_depth=True)
         self._factor = max(1, -(-max(size) // WIDEST))
@@ -98,16 +109,6 @@ class AzureSource(Source):
             + f"; depth of {self._shape[1]} x {self._shape[0]} px is registered to colour here: "
             f"baseline {1000 * float(np.linalg.norm(motion[:3, 3])):.1f} mm"
         )
-
-    def _open(self) -> Any:
-        try:
-            import av
-        except ImportError:
-            raise missing_extra(f"reading {self._path.name}", "av", "video") from None
-        try:
-            return av.open(str(self._path))
-        except (OSError, ValueError) as error:
-            raise Error(f"{self._path}: cannot be read: {error}", code=3) from None
 
     def _streams(self, video: Any) -> tuple[Any, Any]:
         named = {stream.metadata.get("title", "").upper(): stream for stream in video.streams.video}
@@ -130,15 +131,15 @@ class AzureSource(Source):
                     for camera in read["CalibrationInformation"]["Cameras"]
                 }
                 return {name: cameras[name] for name in ("D0", "PV0")}
-            except (KeyError, TypeError, ValueError) as error:
+            except DAMAGE as error:
                 raise Error(f"{self._path}: its calibration.json is damaged: {error!r}", 5) from None
         raise Error(f"{self._path}: no calibration.json in the recording", code=5)
 
     def __iter__(self) -> Iterator[Frame]:
-        with self._open() as video:
+        with reading(self._path), open_video(self._path) as video:
             colour, depth = self._streams(video)
-            images: deque[tuple[int, NDArray[np.uint8]]] = deque()
-            depths: deque[tuple[int, bytes]] = deque(maxlen=60)
+            images: deque[tuple[int, NDArray[np.uint8]]] = deque(maxlen=MOST_WAITING)
+            depths: deque[tuple[int, bytes]] = deque(maxlen=MOST_WAITING)
             for packet in video.demux(colour, depth):
                 if packet.stream is depth:
                     if packet.size:
@@ -165,9 +166,13 @@ class AzureSource(Source):
         if len(data) != 2 * height * width:
             raise Error(f"{self._path}: depth is not stored as 16-bit numbers", code=3)
         units = np.frombuffer(data, ">u2").reshape(height, width).astype(np.uint16)
-        yield Frame(stamp_ns, rgb, self._registration(metres(units, MILLIMETRES)))
+        frame = Frame(stamp_ns, rgb, self._registration(metres(units, MILLIMETRES)))
+        yield require_size(frame, self.camera, self._path)
 
 
 def nanoseconds(item: Any) -> int:
     """The stamp of a packet or a frame."""
-    return int(round(item.pts * item.time_base * 1_000_000_000))
+    stamp = int(round(item.pts * item.time_base * 1_000_000_000))
+    if abs(stamp) > LATEST_NS:
+        raise ValueError(f"stamp {stamp} ns: no time")
+    return stamp

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -20,11 +19,12 @@ from edvo.sources import messages
 from edvo.sources.bag_cameras import info_camera
 from edvo.sources.bag_reader import open_bag
 from edvo.sources.bag_topics import choose_topics, left_out, nearest_info
-from edvo.sources.base import Arrays, Frame, Source
+from edvo.sources.base import Arrays, Frame, Source, require_size
 from edvo.sources.depth_cameras import Size, check_size, read_depth_camera
 from edvo.sources.pairing import Message, Topics, messages_of, pair, pair_bag, reads
 from edvo.sources.references import find_reference
 from edvo.sources.transforms import TransformTree
+from edvo.sources.untrusted import reading
 
 MOST_DAMAGED = 30  # messages at the start of a topic that may be damaged
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -57,7 +57,7 @@ class BagSource(Source):
         self._path = Path(path)
         self.name = self._path.stem
         self.units_per_metre = depth_scale  # None: of floats, which are metres
-        with open_bag(self._path) as reader:
+        with reading(path), open_bag(self._path) as reader:
             first = first_messages(reader, IMAGES)
             chosen = choose_topics(reader, first, colour_topic, depth_topic, self._path)
             self._colour, self._depth = chosen
@@ -86,6 +86,8 @@ class BagSource(Source):
             if "Depth_Units" in name or "Depth Units" in name:
                 if topic.msgtype and topic.msgtype.endswith("Float32"):
                     value = float(first_message(reader, name).data)
+                    if not 1e-9 < value < 1e9:
+                        raise Error(f"{self._path}: {name}: {value} m is no unit; give --depth-scale", 3)
                     self.units_per_metre = float(np.float32(1) / np.float32(value))
                     self.notes.append(f"depth: {self.units_per_metre:g} units per metre ({name})")
                     return
@@ -181,7 +183,8 @@ class BagSource(Source):
     def _colour_from_depth(self, reader: Any, first: dict[str, Any]) -> NDArray[np.float64] | None:
         # RealSense's recorder: x_stream = transform * x_reference, one message a stream.
         names = [t.rsplit("/image/", 1)[0] + "/tf/0" for t in (self._colour, self._depth)]
-        if all(name in reader.topics for name in names):
+        kinds = [reader.topics[name].msgtype for name in names if name in reader.topics]
+        if kinds == ["geometry_msgs/msg/Transform"] * 2:
             colour, depth = (first_message(reader, name) for name in names)
             a = messages.pose_from(colour.translation, colour.rotation)
             b = messages.pose_from(depth.translation, depth.rotation)
@@ -203,12 +206,14 @@ class BagSource(Source):
             yield from pair(messages_of(reader, self._topics))
 
     def _frame(self, colour: Message, depth: Message) -> Frame:
-        with naming(self._depth):
+        with reading(self._depth):
             metric = messages.decode_depth(depth.read(), self.units_per_metre)
-        if self._registration is not None:
-            metric = self._registration(metric)
-        with naming(self._colour):
-            return Frame(colour.stamp_ns, messages.decode_colour(colour.read()), metric)
+            if self._registration is not None:
+                metric = self._registration(metric)
+        with reading(self._colour):
+            rgb = messages.decode_colour(colour.read())
+        topics = f"{self._colour} and {self._depth}"
+        return require_size(Frame(colour.stamp_ns, rgb, metric), self.camera, topics)
 
     def __iter__(self) -> Iterator[Frame]:
         for colour, depth in self._pairs():
@@ -218,17 +223,6 @@ class BagSource(Source):
         for colour, depth in self._pairs():
             read = partial(self._frame, colour, depth)
             yield colour.stamp_ns, 9, self._loader(read)
-
-
-@contextmanager
-def naming(topic: str) -> Iterator[None]:
-    """Errors name the topic."""
-    try:
-        yield
-    except Error as error:
-        text = str(error)
-        raise Error(text if topic in text else f"{topic}: {text}", error.code) from None
-
 
 
 def first_message(reader: Any, topic: str) -> Any:
@@ -241,7 +235,7 @@ def first_decoded(reader: Any, topic: str, decode: Callable[[Any], Any]) -> Any:
     connections = [c for c in reader.connections if c.topic == topic]
     for connection, _, raw in islice(reader.messages(connections=connections), MOST_DAMAGED):
         try:
-            with naming(topic):
+            with reading(topic):
                 return decode(reads(reader, topic, raw, connection.msgtype)())
         except Error as error:
             failure = error
@@ -262,7 +256,14 @@ def read_tree(reader: Any) -> TransformTree:
     if not connections:
         return tree
     for connection, _, raw in reader.messages(connections=connections):
-        for link in reader.deserialize(raw, connection.msgtype).transforms:
-            pose = messages.pose_from(link.transform.translation, link.transform.rotation)
+        try:
+            links = reads(reader, connection.topic, raw, connection.msgtype)().transforms
+        except Error:
+            continue  # a damaged message costs its own transforms only
+        for link in links:
+            try:
+                pose = messages.pose_from(link.transform.translation, link.transform.rotation)
+            except Error:
+                continue
             tree.add(link.header.frame_id, link.child_frame_id, messages.stamp_ns(link), pose)
     return tree

@@ -3,15 +3,17 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 import sqlite3
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 from edvo.errors import Error, missing_extra
+from edvo.sources.untrusted import one_line
 
 MCAP_END = b"\x89MCAP0\r\n"
 STORAGES = {".db3": "sqlite3", ".mcap": "mcap"}
@@ -27,9 +29,7 @@ def is_bag(path: Path) -> bool:
 def open_bag(path: Path) -> Iterator[Any]:
     """An open rosbags.highlevel.AnyReader."""
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
-        from rosbags.rosbag1 import ReaderError as Reader1Error
-        from rosbags.rosbag2 import ReaderError as Reader2Error
+        from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise missing_extra(f"reading {path.name}", "rosbags", "ros") from None
@@ -38,19 +38,20 @@ def open_bag(path: Path) -> Iterator[Any]:
     path = with_metadata(path)
     with tempfile.TemporaryDirectory(prefix="edvo-") as folder:
         place = path
-        if path.suffix in STORAGES and not (path.is_dir()):
-            place = Path(folder)
-            describe(path, place)
         try:
+            if path.suffix in STORAGES and not (path.is_dir()):
+                place = Path(folder)
+                describe(path, place)
             store = get_typestore(Stores.ROS2_HUMBLE)
             with AnyReader([place], default_typestore=store) as reader:
                 name_types(reader)
                 yield reader
         except (Error, FileNotFoundError) as error:
             raise error if isinstance(error, Error) else Error(f"{path}: {error}", 3) from None
-        except (AnyReaderError, Reader1Error, Reader2Error, OSError, RuntimeError) as error:
-            # The last two are those of decompressors.
-            raise damaged(path, error) from None
+        except Exception as error:  # noqa: BLE001
+            # Types of messages are compiled as the file defines them: any of their fields may be
+            # missing or of another type, and the libraries raise exceptions of every kind.
+            raise damaged(path, error) from error
 
 
 MENDERS = {
@@ -71,7 +72,7 @@ def damaged(path: Path, error: Exception) -> Error:
         return Error(f"{file}: is empty, 0 bytes", code=3)
     mender = MENDERS.get(file.suffix, "").format(shlex.quote(str(file)))
     hint = f"; if it was cut off, `{mender}` mends it" if mender else ""
-    return Error(f"{file}: damaged or cut off: {error}{hint}", code=3)
+    return Error(f"{file}: damaged or cut off: {one_line(error)}{hint}", code=3)
 
 
 def is_cut_off(file: Path) -> bool:
@@ -85,7 +86,8 @@ def is_cut_off(file: Path) -> bool:
 
 def topics_of_database(file: Path) -> list[tuple[str, str, int]]:
     try:
-        with sqlite3.connect(f"file:{file}?mode=ro", uri=True) as database:
+        address = f"{file.resolve().as_uri()}?mode=ro"
+        with closing(sqlite3.connect(address, uri=True)) as database:
             return database.execute(
                 "select name, type, (select count(*) from messages where topic_id = topics.id) "
                 "from topics"
@@ -156,20 +158,29 @@ def describe(file: Path, folder: Path) -> None:
     storage = STORAGES[file.suffix]
     topics = topics_of_database(file) if storage == "sqlite3" else topics_of_mcap(file)
     (folder / file.name).symlink_to(file.resolve())
-    lines = [
-        "rosbag2_bagfile_information:",
-        "  version: 5",
-        f"  storage_identifier: {storage}",
-        "  duration: {nanoseconds: 1}",
-        "  starting_time: {nanoseconds_since_epoch: 0}",
-        f"  message_count: {sum(count for _, _, count in topics)}",
-        "  compression_format: ''",
-        "  compression_mode: ''",
-        f"  relative_file_paths: ['{file.name}']",
-        "  topics_with_message_count:",
+    entries = [
+        {
+            "topic_metadata": {
+                "name": str(name),
+                "type": full_type(str(kind)),
+                "serialization_format": "cdr",
+                "offered_qos_profiles": "",
+            },
+            "message_count": count,
+        }
+        for name, kind, count in topics
     ]
-    for name, kind, count in topics:
-        kind = full_type(kind)
-        meta = f"{{name: {name}, type: {kind}, serialization_format: cdr, offered_qos_profiles: ''}}"
-        lines.append(f"    - {{topic_metadata: {meta}, message_count: {count}}}")
-    (folder / "metadata.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    information = {
+        "version": 5,
+        "storage_identifier": storage,
+        "duration": {"nanoseconds": 1},
+        "starting_time": {"nanoseconds_since_epoch": 0},
+        "message_count": sum(count for _, _, count in topics),
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [file.name],
+        "topics_with_message_count": entries,
+    }
+    # JSON is YAML, too, whatever stands in names.
+    text = json.dumps({"rosbag2_bagfile_information": information})
+    (folder / "metadata.yaml").write_text(text, encoding="utf-8")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.camera import Camera, as_tuple
+from edvo.errors import Error
 from edvo.images import check_depth, check_rgb
 from edvo.sources.waiting import SILENCE, awaited
 from edvo.trajectory import Trajectory
@@ -111,6 +112,19 @@ class Source(ABC):
             "notes": list(self.notes),
             "warnings": list(self.warnings),
         }
+
+
+def require_size(frame: Frame, camera: Camera, what: object) -> Frame:
+    """Raises edvo.Error where an image in a file has another size than those before it."""
+    size = (camera.height, camera.width)
+    for image in (frame.rgb, frame.depth):
+        if image.shape[:2] != size:
+            raise Error(
+                f"{what}: image of {image.shape[1]} x {image.shape[0]} px, but the camera has "
+                f"{size[1]} x {size[0]}",
+                code=3,
+            )
+    return frame
 
 
 def check_metres(depth: Any, width: int, height: int) -> NDArray[np.float32]:

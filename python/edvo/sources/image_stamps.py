@@ -17,7 +17,8 @@ EARLIEST_NS, LATEST_NS = 9 * 10**17, 5 * 10**18  # 1998 to 2128
 def unit_of(stems: list[str]) -> str | None:
     """"ms", "us", "ns" or, with a point, "s", if all names are stamps of it since 1970."""
     if stems and all(re.fullmatch(r"\d{9,10}\.\d+", stem) for stem in stems):
-        return "s"
+        in_time = all(int(Decimal(stem)) * 10**9 <= LATEST_NS for stem in stems)
+        return "s" if in_time else None
     if not stems or not all(re.fullmatch(r"\d{12,19}", stem) for stem in stems):
         return None
     for unit, factor in UNITS.items():

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.registration import DepthRegistration
-from edvo.sources.base import Arrays, Frame, Source
+from edvo.sources.base import Arrays, Frame, Source, require_size
+from edvo.sources.untrusted import reading
 
 
 @dataclass(frozen=True)
@@ -36,10 +37,12 @@ class ListedSource(Source):
 
     def __getitem__(self, index: int) -> Frame:
         entry = self.entries[index]
+        what = f"{self.origin}: frame {index}"
         rgb, depth = entry.colour(), entry.depth()
         if self.registration is not None:
-            depth = self.registration(depth)
-        return Frame(entry.stamp_ns, rgb, depth)
+            with reading(what):  # of another size than the first one
+                depth = self.registration(depth)
+        return require_size(Frame(entry.stamp_ns, rgb, depth), self.camera, what)
 
     def __iter__(self) -> Iterator[Frame]:
         for index in range(len(self.entries)):

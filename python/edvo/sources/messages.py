@@ -10,35 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.camera import Camera
-from edvo.errors import Error, missing_extra
+from edvo.errors import Error
 from edvo.sources.base import metres
+from edvo.sources.image_files import decode_image, opencv
 from edvo.sources.rvl import decode_rvl
+from edvo.sources.untrusted import check_pixels
 
 COLOUR = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4, "8UC3": 3, "mono8": 1, "8UC1": 1}
 BAYER = {"bayer_rggb8": "BG", "bayer_bggr8": "RG", "bayer_gbrg8": "GR", "bayer_grbg8": "GB"}
 DEPTH = {"16UC1", "mono16", "32FC1", "Z16"}
 MILLIMETRES = 1000.0  # REP 118: 16-bit depth
-MOST_PIXELS = 1 << 26
-
-
-def opencv() -> Any:
-    try:
-        import cv2
-    except ImportError:
-        raise missing_extra("decoding compressed images", "opencv-python-headless", "ros") from None
-    return cv2
-
-
-def decode_image(data: NDArray[np.uint8], flags: int, what: str) -> NDArray[Any]:
-    """A PNG, JPEG or the like as OpenCV has it. Raises edvo.Error for what is cut off or none."""
-    cv2 = opencv()
-    try:
-        image = cv2.imdecode(data, flags) if len(data) else None
-    except cv2.error:
-        image = None
-    if image is None:
-        raise Error(f"{what}: {len(data)} bytes, damaged or cut off, cannot be decoded", code=3)
-    return np.asarray(image)
+FARTHEST = 1e9  # [m] of a position: beyond, sums of squares lose all digits
 
 
 def stamp_ns(message: Any) -> int:
@@ -48,6 +30,7 @@ def stamp_ns(message: Any) -> int:
 
 def rows(message: Any, dtype: str, channels: int) -> NDArray[Any]:
     """The pixels of an Image message; rows may be padded."""
+    check_pixels(f"image, {message.encoding}", message.width, message.height)
     kind = np.dtype(dtype).newbyteorder(">" if message.is_bigendian else "<")
     width = message.width * channels * kind.itemsize
     data = np.asarray(message.data, np.uint8)
@@ -136,13 +119,12 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
     _, a, b = struct.unpack("<iff", data[:12].tobytes())
     if "rvl" in message.format.lower():
         width, height = struct.unpack("<II", data[12:20].tobytes())
-        if not 0 < width * height <= MOST_PIXELS:
-            raise Error(f"depth compressed as {message.format}: {width} x {height} pixels", code=3)
+        check_pixels(f"depth compressed as {message.format}", width, height)
         image: Any = decode_rvl(data[20:], height, width)
     else:
         what = f"depth compressed as {message.format}"
         image = decode_image(data[12:], opencv().IMREAD_UNCHANGED, what)
-    if image.dtype != np.uint16:
+    if image.dtype != np.uint16 or image.ndim != 2:
         raise Error(f"depth compressed as {message.format}: no 16-bit image", code=3)
     if message.format.startswith("32FC1"):  # quantized inverse depth
         with np.errstate(divide="ignore"):
@@ -194,15 +176,19 @@ def camera_from(message: Any, unsized: tuple[int, int], is_rectified: bool = Fal
 
 
 def pose_from(translation: Any, rotation: Any) -> NDArray[np.float64]:
-    """4 x 4 of a Vector3 or Point and a Quaternion message."""
+    """4 x 4 of a Vector3 or Point and a Quaternion message. Raises edvo.Error for numbers that are
+    none, or too large for a place."""
     q = np.array([rotation.x, rotation.y, rotation.z, rotation.w], float)
+    position = np.array([translation.x, translation.y, translation.z], float)
+    if not (np.abs(position) <= FARTHEST).all() or not (np.abs(q) <= FARTHEST).all():
+        raise Error(f"pose {[*position.tolist(), *q.tolist()]}: no place in space", code=3)
     norm = np.linalg.norm(q)
-    x, y, z, w = q / norm if norm > 0 else (0.0, 0.0, 0.0, 1.0)
+    x, y, z, w = q / norm if norm > 1 / FARTHEST else (0.0, 0.0, 0.0, 1.0)
     pose = np.eye(4)
     pose[:3, :3] = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
-    pose[:3, 3] = [translation.x, translation.y, translation.z]
+    pose[:3, 3] = position
     return pose

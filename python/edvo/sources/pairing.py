@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo.errors import Error
+from edvo.sources.untrusted import one_line
 
 LARGEST_GAP_NS = 20_000_000  # between a colour image and its depth
 MOST_WAITING = 60  # depth images that wait for their colour
@@ -51,7 +52,7 @@ def reads(reader: Any, topic: str, raw: bytes, kind: str) -> Callable[[], Any]:
         try:
             return deserialize(raw, kind)
         except Exception as error:  # noqa: BLE001: the library raises several kinds
-            raise Error(f"{topic}: damaged message of {len(raw)} bytes: {error}", code=3) from None
+            raise Error(f"{topic}: damaged message of {len(raw)} bytes: {one_line(error)}", code=3) from None
 
     return read
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from functools import partial
 from pathlib import Path
@@ -81,7 +82,15 @@ def stated_scale(file: Path | None) -> float | None:
     if file is None:
         return None
     found = SCALE.search(file.read_text(encoding="utf-8", errors="replace"))
-    return float(found[1]) if found else None
+    if not found:
+        return None
+    try:
+        scale = float(found[1])
+    except ValueError:
+        scale = math.nan
+    if not 0 < scale < math.inf:
+        raise Error(f"{file}: depth_scale {found[1]}: no number of units per metre", code=5)
+    return scale
 
 
 def choose_units(

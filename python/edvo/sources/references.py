@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from edvo.errors import Error
 from edvo.sources import messages
+from edvo.sources.pairing import reads
 from edvo.sources.transforms import TransformTree
 from edvo.trajectory import Trajectory
 
@@ -102,6 +104,13 @@ def reference_of_topic(
     return Reference(trajectory, topic, flaw, note)
 
 
+def pose_of(message: Any) -> NDArray[np.float64]:
+    if hasattr(message, "transform"):
+        return messages.pose_from(message.transform.translation, message.transform.rotation)
+    inner = message.pose.pose if hasattr(message.pose, "pose") else message.pose
+    return messages.pose_from(inner.position, inner.orientation)
+
+
 def read_poses(reader: Any, topic: str) -> tuple[list[int], NDArray[np.float64], str, str]:
     """Stamps [ns] in order, N x 4 x 4 parent_from_body, and the frames' names ("" = not said)."""
     stamps: list[int] = []
@@ -109,13 +118,12 @@ def read_poses(reader: Any, topic: str) -> tuple[list[int], NDArray[np.float64],
     parent = body = ""
     connections = [c for c in reader.connections if c.topic == topic]
     for connection, _, raw in reader.messages(connections=connections):
-        message = reader.deserialize(raw, connection.msgtype)
+        try:
+            message = reads(reader, topic, raw, connection.msgtype)()
+            pose = pose_of(message)
+        except Error:
+            continue  # a damaged message costs its own pose only
         parent, body = message.header.frame_id, getattr(message, "child_frame_id", "")
-        if hasattr(message, "transform"):
-            pose = messages.pose_from(message.transform.translation, message.transform.rotation)
-        else:
-            inner = message.pose.pose if hasattr(message.pose, "pose") else message.pose
-            pose = messages.pose_from(inner.position, inner.orientation)
         if not stamps or messages.stamp_ns(message) > stamps[-1]:
             stamps.append(messages.stamp_ns(message))
             poses.append(pose)

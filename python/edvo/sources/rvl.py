@@ -31,7 +31,7 @@ def decode_rvl(data: NDArray[np.uint8], height: int, width: int) -> NDArray[np.u
     """H x W, in units; 0 = none. Raises ``edvo.Error`` where the data end too early or do not fit."""
     numbers = numbers_of(data)
     pixels = height * width
-    depth = np.zeros(pixels, np.int64)
+    depth = np.zeros(pixels, np.uint16)
     at, done, last = 0, 0, 0
     while done < pixels:
         if at + 2 > len(numbers):
@@ -42,7 +42,7 @@ def decode_rvl(data: NDArray[np.uint8], height: int, width: int) -> NDArray[np.u
             raise Error("depth compressed as RVL: damaged", code=3)
         zigzag = numbers[at : at + others]
         values = last + np.cumsum((zigzag >> 1) ^ -(zigzag & 1))
-        depth[done : done + others] = values
+        depth[done : done + others] = values & 0xFFFF
         last = int(values[-1]) if others else last
         at, done = at + others, done + others
-    return depth.astype(np.uint16).reshape(height, width)
+    return depth.reshape(height, width)

@@ -21,9 +21,12 @@ class TransformTree:
         self._parent: dict[str, str] = {}
         self._stamps: defaultdict[str, list[int]] = defaultdict(list)
         self._poses: defaultdict[str, list[Pose]] = defaultdict(list)
+        self._unsorted: set[str] = set()
 
     def add(self, parent: str, child: str, stamp_ns: int, parent_from_child: Pose) -> None:
         child = child.strip("/")
+        if self._stamps[child] and stamp_ns < self._stamps[child][-1]:
+            self._unsorted.add(child)
         self._parent[child] = parent.strip("/")
         self._stamps[child].append(stamp_ns)
         self._poses[child].append(parent_from_child)
@@ -47,7 +50,8 @@ class TransformTree:
 
     def _at(self, child: str, stamp_ns: int) -> Pose:
         stamps = self._stamps[child]
-        if stamps != sorted(stamps):
+        if child in self._unsorted:
+            self._unsorted.remove(child)
             order = np.argsort(stamps, kind="stable")
             self._stamps[child] = stamps = [stamps[i] for i in order]
             self._poses[child] = [self._poses[child][i] for i in order]
