@@ -210,7 +210,7 @@ class Resuming:
             have = 0
         with requests.get(url, headers=headers, stream=True, timeout=self._timeout) as answer:
             if answer.status_code == 416:  # the part is longer than the file: begin anew
-                self._part.unlink()
+                self._part.unlink(missing_ok=True)
                 return False
             answer.raise_for_status()
             if answer.status_code != 206:

@@ -3,10 +3,10 @@
 #include "bindings.hpp"
 #include "edvo/core/error.hpp"
 #include "edvo/eval/evaluate.hpp"
+#include "python_text.hpp"
 
 #include <fmt/core.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <string>

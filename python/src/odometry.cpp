@@ -8,12 +8,12 @@
 #include "edvo/saved_map/map_lock.hpp"
 #include "edvo/saved_map/slam_in_map.hpp"
 #include "observers.hpp"
+#include "python_text.hpp"
 #include "serialized.hpp"
 
 #include <fmt/core.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <memory>

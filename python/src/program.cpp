@@ -4,12 +4,12 @@
 
 #include "observers.hpp"
 #include "python_error.hpp"
+#include "python_text.hpp"
 #include "source.hpp"
 #include "stop_signal.hpp"
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdio>

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "edvo/core/error.hpp"
+#include "python_text.hpp"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>
 
 #include <string>
 

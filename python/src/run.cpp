@@ -7,12 +7,12 @@
 #include "edvo/source/masked_source.hpp"
 #include "interrupt.hpp"
 #include "observers.hpp"
+#include "python_text.hpp"
 #include "run_map.hpp"
 #include "source.hpp"
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <filesystem>

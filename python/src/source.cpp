@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include "edvo/core/error.hpp"
 #include "edvo/source/folder_source.hpp"

@@ -166,3 +166,62 @@ def test_headers_without_time_take_that_of_the_recording(
     source = edvo.open_source(clock_bag(tmp_path, camera, frames[:6], 0, has_stamps=False))
     assert [f.stamp_ns for f in source] == [START + i * PERIOD for i in (0, 2, 4)]
     assert any("headers have no time" in note for note in source.notes)
+
+
+def test_a_bag_may_have_any_name(tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
+    (tmp_path / "of").mkdir()
+    recorder = Recorder("db3", tmp_path / "of")
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    recorder.image("/c/color/image", START, frames[0].rgb, "rgb8", "c")
+    recorder.image("/c/depth/image", START, millimetres(frames[0]), "16UC1", "c")
+    (file,) = recorder.close().glob("*.db3")
+    odd = file.rename(tmp_path / "it's a #1? walk: 50%41.db3")
+    assert len(list(edvo.open_source(odd))) == 1
+
+
+def test_poses_that_are_no_numbers_are_left_out(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    for i, frame in enumerate(frames[:5]):
+        stamp = START + i * PERIOD
+        recorder.image("/c/color/image", stamp, frame.rgb, "rgb8", "c")
+        recorder.image("/c/depth/image", stamp, millimetres(frame), "16UC1", "c")
+        x = {1: float("nan"), 2: 1e300}.get(i, 0.1 * i)
+        recorder.transform("/tf", stamp, "world", "c", (x, 0, 0))
+    connection = recorder.connections["/tf"]
+    recorder.writer.write(connection, START + 5 * PERIOD, b"\0\1\0\0\xff\xff\xff\xff")
+    source = edvo.open_source(recorder.close())
+    assert source.ground_truth is not None and len(source.ground_truth) == 3
+    assert len(list(source)) == 5
+
+
+def test_messages_whose_definition_lacks_a_field_are_named(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("ros1", tmp_path)
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    recorder.image("/c/color/image", START, frames[0].rgb, "rgb8", "c")
+    recorder.image("/c/depth/image", START, millimetres(frames[0]), "16UC1", "c")
+    file = recorder.close()
+    file.write_bytes(file.read_bytes().replace(b"uint32 binning_x", b"uint32 binning_q"))
+    with pytest.raises(edvo.Error, match="recording.bag"):
+        edvo.open_source(file, camera_size=(100, 100))
+
+
+def test_an_image_of_another_size_costs_its_own_frame_only(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("mcap", tmp_path)
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    for i, frame in enumerate(frames[:3]):
+        stamp = START + i * PERIOD
+        rgb = frame.rgb[:100] if i == 1 else frame.rgb
+        recorder.image("/c/color/image", stamp, rgb, "rgb8", "c")
+        recorder.image("/c/depth/image", stamp, millimetres(frame), "16UC1", "c")
+    source = edvo.open_source(recorder.close())
+    with pytest.raises(edvo.Error, match="/c/color/image and .*: image of 320 x 100 px, but the camera"):
+        list(source)
+    run = edvo.run(source, doctor=False)
+    assert len(run.skipped) == 1

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 import tracemalloc
 import zipfile
@@ -273,3 +274,18 @@ def test_whatever_damage_raises_names_the_file_in_one_line(fail: Callable[[], ob
 def test_bugs_stay_bugs() -> None:
     with pytest.raises(AssertionError), reading("walk.bag"):
         raise AssertionError
+
+
+def test_paths_may_have_any_bytes(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    from edvo.cli import main
+
+    bag = Path(os.fsdecode(bytes(tmp_path) + b"/bad\xff.bag"))
+    bag.write_bytes(b"no bag")
+    folder = Path(os.fsdecode(bytes(tmp_path) + b"/dir\xff"))
+    folder.mkdir()
+    for path in (bag, folder / "none"):
+        with pytest.raises(edvo.Error, match="bad|dir"):
+            edvo.run(path)
+        assert main(["run", str(path)]) == 3
+        assert "edvo: " in capfd.readouterr().err
+    assert len(list(edvo.open_source(lists(folder, {})))) == 1

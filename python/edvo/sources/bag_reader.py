@@ -157,7 +157,8 @@ def describe(file: Path, folder: Path) -> None:
     """A folder with the metadata that ros2 bag would have written beside the file."""
     storage = STORAGES[file.suffix]
     topics = topics_of_database(file) if storage == "sqlite3" else topics_of_mcap(file)
-    (folder / file.name).symlink_to(file.resolve())
+    link = folder / f"recording{file.suffix}"  # the library takes ? and # for parts of an address
+    link.symlink_to(file.resolve())
     entries = [
         {
             "topic_metadata": {
@@ -178,7 +179,7 @@ def describe(file: Path, folder: Path) -> None:
         "message_count": sum(count for _, _, count in topics),
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [file.name],
+        "relative_file_paths": [link.name],
         "topics_with_message_count": entries,
     }
     # JSON is YAML, too, whatever stands in names.
