@@ -289,3 +289,20 @@ def test_paths_may_have_any_bytes(tmp_path: Path, capfd: pytest.CaptureFixture[s
         assert main(["run", str(path)]) == 3
         assert "edvo: " in capfd.readouterr().err
     assert len(list(edvo.open_source(lists(folder, {})))) == 1
+
+
+def test_videos_that_ffmpeg_does_not_decode(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    av = pytest.importorskip("av")
+    from edvo.sources.videos import open_video
+
+    file = tmp_path / "walk.mkv"
+    file.write_bytes(b"\x1a\x45\xdf\xa3" * 9)
+    with pytest.raises(edvo.Error, match="walk.mkv: cannot be read"), open_video(file):
+        pass
+
+    def refuse(file: str) -> None:
+        raise av.error.PatchWelcomeError(1163346256, "not yet implemented", file)
+
+    monkeypatch.setattr(av, "open", refuse)  # by no name of an error that Python knows
+    with pytest.raises(edvo.Error, match="walk.mkv: cannot be read: .*not yet implemented"), open_video(file):
+        pass

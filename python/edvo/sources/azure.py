@@ -80,7 +80,7 @@ class AzureSource(Source):
         self._path = Path(path)
         self.name = self._path.stem
         self.origin = f"{path} (Azure Kinect)"
-        with reading(path), open_video(self._path) as video:
+        with open_video(self._path) as video:
             colour, depth = self._streams(video)
             cameras = self._calibration(video)
             size = (colour.codec_context.width, colour.codec_context.height)
@@ -136,7 +136,7 @@ class AzureSource(Source):
         raise Error(f"{self._path}: no calibration.json in the recording", code=5)
 
     def __iter__(self) -> Iterator[Frame]:
-        with reading(self._path), open_video(self._path) as video:
+        with open_video(self._path) as video:
             colour, depth = self._streams(video)
             images: deque[tuple[int, NDArray[np.uint8]]] = deque(maxlen=MOST_WAITING)
             depths: deque[tuple[int, bytes]] = deque(maxlen=MOST_WAITING)

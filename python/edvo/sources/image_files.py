@@ -39,7 +39,8 @@ def decode_image(data: NDArray[np.uint8], flags: int, what: object) -> NDArray[A
     except cv2.error:
         image = None
     if image is None:
-        raise Error(f"{what}: {len(data)} bytes, damaged or cut off, cannot be decoded", code=3)
+        hint = "" if size is not None else " (PNG, JPEG, TIFF and BMP are read)"
+        raise Error(f"{what}: {len(data)} bytes, damaged or cut off, cannot be decoded{hint}", code=3)
     return np.asarray(image)
 
 

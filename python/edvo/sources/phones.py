@@ -210,8 +210,7 @@ class StraySource(Source):
         self._depths = sorted((path / "depth").glob("*.png"))
         if not self._depths:
             raise Error(f"{path}: Stray Scanner's rgb.mp4, but no depth/*.png", code=3)
-        with reading(path / "rgb.mp4"):
-            width, height = self._video_size()
+        width, height = self._video_size()
         self._factor = max(1, -(-max(width, height) // WIDEST))
         with reading(path / "camera_matrix.csv", 5):
             k = np.loadtxt(path / "camera_matrix.csv", delimiter=",")
@@ -250,7 +249,7 @@ class StraySource(Source):
 
     def __iter__(self) -> Iterator[Frame]:
         file = self._path / "rgb.mp4"
-        with reading(file), open_video(file) as video:
+        with open_video(file) as video:
             for i, picture in enumerate(video.decode(video=0)):
                 if i >= min(len(self._depths), len(self._stamps)):
                     return

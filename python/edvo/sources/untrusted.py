@@ -43,7 +43,8 @@ def reading(what: object, code: int = 3, *others: type[Exception]) -> Iterator[N
         yield
     except Error as error:
         text = str(error)
-        raise error if str(what) in text else Error(f"{what}: {text}", error.code) from None
+        is_whole = str(what) in text or error.code == 2  # how edvo is used is no matter of the file
+        raise error if is_whole else Error(f"{what}: {text}", error.code) from None
     except OSError as error:
         raise Error(f"{what}: cannot be read: {error.strerror or one_line(error)}", code) from None
     except kinds as error:
