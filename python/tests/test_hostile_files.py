@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import struct
+import time
 import tracemalloc
 import zipfile
 import zlib
@@ -140,6 +141,23 @@ def test_the_size_of_an_image_is_known_before_it_is_decoded() -> None:
     with_profile = b"\xff\xd8\xff\xe2\0\x06abcd\xff" + encoded(".jpg", COLOUR)[2:]
     assert said_size(with_profile) == (16, 12)
     assert said_size(b"GIF89a") is None
+
+
+def test_a_chunk_that_says_to_be_longer_than_its_png_takes_no_memory(tmp_path: Path) -> None:
+    data = encoded(".png", COLOUR)
+    place = data.index(b"IDAT")
+    (tmp_path / "0.tif").write_bytes(data[: place - 4] + b"\xf7\0\0\0" + data[place:])
+    begin = time.monotonic()
+    with pytest.raises(edvo.Error, match="0.tif: .* cannot be decoded"):
+        read_colour(tmp_path / "0.tif")
+    assert time.monotonic() - begin < 1
+
+
+def test_a_folder_that_is_named_like_an_image_is_none(tmp_path: Path) -> None:
+    for suffix in (".pgm", ".tiff", ".npy", ".exr", ".png"):
+        (tmp_path / f"0{suffix}").mkdir()
+        with pytest.raises(edvo.Error, match=f"0{suffix}"):
+            read_depth(tmp_path / f"0{suffix}")
 
 
 def test_a_compressed_message_takes_no_memory_for_what_it_only_says_to_have() -> None:

@@ -46,7 +46,8 @@ def decode_image(data: NDArray[np.uint8], flags: int, what: object) -> NDArray[A
 
 def read_netpbm(file: Path) -> NDArray[Any]:
     """Binary PGM (P5) and PPM (P6), 8 or 16 bits."""
-    data = file.read_bytes()
+    with reading(file):
+        data = file.read_bytes()
     fields: list[bytes] = []
     place = 0
     while len(fields) < 4 and place < len(data):

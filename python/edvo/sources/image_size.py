@@ -12,8 +12,7 @@ def said_size(data: bytes) -> Size | None:
     """Of a PNG, JPEG, BMP or TIFF image; None for anything else, or if it is cut off before that."""
     try:
         if data[:8] == b"\x89PNG\r\n\x1a\n":
-            width, height = struct.unpack_from(">II", data, 16)
-            return int(width), int(height)
+            return size_of_png(data)
         if data[:2] == b"\xff\xd8":
             return size_of_jpeg(data)
         if data[:2] == b"BM":
@@ -24,6 +23,20 @@ def said_size(data: bytes) -> Size | None:
     except struct.error:
         pass
     return None
+
+
+def size_of_png(data: bytes) -> Size | None:
+    """None if a chunk says to be longer than the data: OpenCV asks for memory for all of it."""
+    place = 8
+    while place < len(data):
+        (length,) = struct.unpack_from(">I", data, place)
+        if data[place + 4 : place + 8] == b"IEND":
+            break
+        place += 12 + length
+    if place > len(data):
+        return None
+    width, height = struct.unpack_from(">II", data, 16)
+    return int(width), int(height)
 
 
 def size_of_jpeg(data: bytes) -> Size | None:

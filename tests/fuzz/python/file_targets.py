@@ -7,6 +7,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import zipfile
 from collections.abc import Iterator
 from functools import cache
@@ -134,6 +135,7 @@ def test_zip_entries(data: bytes, folder: Path) -> None:
     """Names and contents of entries in turn, of a zip that is itself right."""
     fields = data.split(b"\0")
     names = [field.decode("utf-8", "replace") for field in fields[::2]]
+    names = [re.sub(r"\s", "_", name) for name in names]  # errors quote names as they are
     test_zip(zip_of(dict(zip(names, fields[1::2]))), folder)
 
 
