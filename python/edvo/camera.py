@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from edvo import _core
+from edvo.errors import Error
 
+MOST_SIDE = 1e6  # [px], as in the C++ library's files
 CameraTuple = tuple[float, float, float, float, int, int, tuple[float, ...], bool]
 
 
@@ -42,6 +44,8 @@ class Camera:
             side = as_number(name, getattr(self, name))
             if not side.is_integer():
                 raise ValueError(f"Camera: {name} {side}: a whole number of pixels is expected")
+            if abs(side) > MOST_SIDE:
+                raise Error(f"Camera: {name} {side:g}: more pixels than an image has", 5)
             object.__setattr__(self, name, int(side))
         most = 4 if self.equidistant else 8
         if any(self.distortion[most:]):

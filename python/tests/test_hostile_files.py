@@ -143,13 +143,33 @@ def test_the_size_of_an_image_is_known_before_it_is_decoded() -> None:
     assert said_size(b"GIF89a") is None
 
 
+def test_what_a_message_says_of_itself_is_quoted_in_one_line() -> None:
+    from types import SimpleNamespace
+
+    from edvo.sources import messages
+
+    data = np.zeros(40, np.uint8)
+    for text in ("16UC1; compressedDepth\r\n png", "32FC1; compressedDepth rvl\u2028", "\njpeg"):
+        message = SimpleNamespace(format=text, data=data)
+        for decode in (messages.decode_colour, lambda m: messages.decode_depth(m, None)):
+            with pytest.raises(edvo.Error) as caught:
+                decode(message)
+            assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_camera_has_no_more_pixels_than_numbers_hold() -> None:
+    with pytest.raises(edvo.Error, match="width 4.29497e.09: more pixels than an image has"):
+        edvo.Camera(15, 15, 7.5, 5.5, 2**32 - 1, 12)
+
+
 def test_a_chunk_that_says_to_be_longer_than_its_png_takes_no_memory(tmp_path: Path) -> None:
     data = encoded(".png", COLOUR)
-    place = data.index(b"IDAT")
-    (tmp_path / "0.tif").write_bytes(data[: place - 4] + b"\xf7\0\0\0" + data[place:])
     begin = time.monotonic()
-    with pytest.raises(edvo.Error, match="0.tif: .* cannot be decoded"):
-        read_colour(tmp_path / "0.tif")
+    for kind in (b"IHDR", b"IDAT", b"IEND"):
+        place = data.index(kind)
+        (tmp_path / "0.tif").write_bytes(data[: place - 4] + b"\xf7\0\0\0" + data[place:])
+        with pytest.raises(edvo.Error, match="0.tif: .* cannot be decoded"):
+            read_colour(tmp_path / "0.tif")
     assert time.monotonic() - begin < 1
 
 

@@ -27,16 +27,12 @@ def said_size(data: bytes) -> Size | None:
 
 def size_of_png(data: bytes) -> Size | None:
     """None if a chunk says to be longer than the data: OpenCV asks for memory for all of it."""
-    place = 8
-    while place < len(data):
-        (length,) = struct.unpack_from(">I", data, place)
-        if data[place + 4 : place + 8] == b"IEND":
-            break
+    _, first, width, height = struct.unpack_from(">I4sII", data, 8)
+    place, kind = 8, b""
+    while place < len(data) and kind != b"IEND":
+        length, kind = struct.unpack_from(">I4s", data, place)
         place += 12 + length
-    if place > len(data):
-        return None
-    width, height = struct.unpack_from(">II", data, 16)
-    return int(width), int(height)
+    return (int(width), int(height)) if first == b"IHDR" and place <= len(data) else None
 
 
 def size_of_jpeg(data: bytes) -> Size | None:

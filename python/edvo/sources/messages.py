@@ -30,13 +30,13 @@ def stamp_ns(message: Any) -> int:
 
 def rows(message: Any, dtype: str, channels: int) -> NDArray[Any]:
     """The pixels of an Image message; rows may be padded."""
-    check_pixels(f"image, {message.encoding}", message.width, message.height)
+    check_pixels(f"image, {encoding_of(message)}", message.width, message.height)
     kind = np.dtype(dtype).newbyteorder(">" if message.is_bigendian else "<")
     width = message.width * channels * kind.itemsize
     data = np.asarray(message.data, np.uint8)
     if message.step < width or data.size < message.step * message.height:
         raise Error(
-            f"image of {message.width} x {message.height} px, {message.encoding}: "
+            f"image of {message.width} x {message.height} px, {encoding_of(message)}: "
             f"{data.size} bytes, {message.step} a row, are too few",
             code=3,
         )
@@ -63,7 +63,8 @@ def kind_of(message: Any) -> str:
 
 
 def encoding_of(message: Any) -> str:
-    return str(getattr(message, "format", "") or getattr(message, "encoding", "")).strip()
+    """In one line, whatever the message says."""
+    return " ".join(str(getattr(message, "format", "") or getattr(message, "encoding", "")).split())
 
 
 def is_picture(message: Any) -> bool:
@@ -75,7 +76,7 @@ def decode_colour(message: Any) -> NDArray[np.uint8]:
     """H x W x 3, RGB."""
     if hasattr(message, "format"):
         data = np.asarray(message.data, np.uint8)
-        bgr = decode_image(data, opencv().IMREAD_COLOR, f"compressed image ({message.format})")
+        bgr = decode_image(data, opencv().IMREAD_COLOR, f"compressed image ({encoding_of(message)})")
         return np.ascontiguousarray(bgr[:, :, ::-1])
     encoding = message.encoding
     if encoding in BAYER:
@@ -83,7 +84,7 @@ def decode_colour(message: Any) -> NDArray[np.uint8]:
         code = getattr(cv2, f"COLOR_Bayer{BAYER[encoding]}2RGB")
         return np.asarray(cv2.cvtColor(rows(message, "uint8", 1), code), np.uint8)
     if encoding not in COLOUR:
-        raise Error(f"image encoding {encoding}: not read; known are {', '.join(COLOUR)}", code=3)
+        raise Error(f"image encoding {encoding_of(message)}: not read; known are {', '.join(COLOUR)}", code=3)
     pixels = rows(message, "uint8", COLOUR[encoding])
     if pixels.ndim == 2:
         return np.repeat(pixels[:, :, None], 3, axis=2)
@@ -101,7 +102,7 @@ def decode_depth(message: Any, units_per_metre: float | None) -> NDArray[np.floa
         return metres(rows(message, "float32", 1), units)
     if message.encoding not in DEPTH:
         raise Error(
-            f"depth encoding {message.encoding}: not read, 16UC1 or 32FC1 is needed (8-bit depth is "
+            f"depth encoding {encoding_of(message)}: not read, 16UC1 or 32FC1 is needed (8-bit depth is "
             "a picture of depth)",
             code=3,
         )
@@ -113,19 +114,19 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
     or its compressed: a PNG."""
     data = np.asarray(message.data, np.uint8)
     if "compresseddepth" not in message.format.lower():
-        return decode_png_depth(data, message.format, units)
+        return decode_png_depth(data, encoding_of(message), units)
     if len(data) < 20:
-        raise Error(f"depth compressed as {message.format}: only {len(data)} bytes", code=3)
+        raise Error(f"depth compressed as {encoding_of(message)}: only {len(data)} bytes", code=3)
     _, a, b = struct.unpack("<iff", data[:12].tobytes())
     if "rvl" in message.format.lower():
         width, height = struct.unpack("<II", data[12:20].tobytes())
-        check_pixels(f"depth compressed as {message.format}", width, height)
+        check_pixels(f"depth compressed as {encoding_of(message)}", width, height)
         image: Any = decode_rvl(data[20:], height, width)
     else:
-        what = f"depth compressed as {message.format}"
+        what = f"depth compressed as {encoding_of(message)}"
         image = decode_image(data[12:], opencv().IMREAD_UNCHANGED, what)
     if image.dtype != np.uint16 or image.ndim != 2:
-        raise Error(f"depth compressed as {message.format}: no 16-bit image", code=3)
+        raise Error(f"depth compressed as {encoding_of(message)}: no 16-bit image", code=3)
     if message.format.startswith("32FC1"):  # quantized inverse depth
         with np.errstate(divide="ignore"):
             depth = np.float32(a) / (image.astype(np.float32) - np.float32(b))
@@ -135,7 +136,7 @@ def decode_compressed_depth(message: Any, units: float) -> NDArray[np.float32]:
 
 
 def decode_png_depth(data: NDArray[np.uint8], format: str, units: float) -> NDArray[np.float32]:
-    what = f"depth compressed as {format.strip()}"
+    what = f"depth compressed as {format}"
     image = decode_image(data, opencv().IMREAD_UNCHANGED, what)
     if image.dtype != np.uint16 or image.ndim != 2:
         raise Error(
@@ -165,7 +166,7 @@ def camera_from(message: Any, unsized: tuple[int, int], is_rectified: bool = Fal
     known = ("", "none", "plumb_bob", "rational_polynomial", "equidistant", "fisheye")
     if any(d) and (model not in known or any(d[most:])):
         raise Error(
-            f"CameraInfo: distortion model {model} with {len(d)} coefficients is not read, only "
+            f"CameraInfo: distortion model {model!r} with {len(d)} coefficients is not read, only "
             "plumb_bob, rational_polynomial and equidistant",
             code=5,
         )
