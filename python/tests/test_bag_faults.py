@@ -168,6 +168,14 @@ def test_headers_without_time_take_that_of_the_recording(
     assert any("headers have no time" in note for note in source.notes)
 
 
+def test_a_camera_that_is_impossible_at_the_size_of_the_images_names_its_topic(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    flat = edvo.Camera(250, 250, 160, 500_000, 320, 1_000_000)
+    with pytest.raises(edvo.Error, match="/c/color/camera_info: .*fy = 0.06"):
+        edvo.open_source(info_bag(tmp_path, frames, flat), camera_size=(320, 1_000_000))
+
+
 def test_a_bag_may_have_any_name(tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
     (tmp_path / "of").mkdir()
     recorder = Recorder("db3", tmp_path / "of")

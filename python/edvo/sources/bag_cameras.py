@@ -9,6 +9,7 @@ from edvo.camera import Camera
 from edvo.errors import Error
 from edvo.sources import messages
 from edvo.sources.depth_cameras import Size
+from edvo.sources.untrusted import reading
 
 
 def info_camera(message: Any, info: str, images: str, size: Size, calibrated: Size, flag: str) -> Camera:
@@ -28,7 +29,8 @@ def info_camera(message: Any, info: str, images: str, size: Size, calibrated: Si
         return camera
     binned = (own[0] // max(message.binning_x, 1), own[1] // max(message.binning_y, 1))
     if own == calibrated or binned == size:
-        return camera.scaled_to(*size)
+        with reading(info, 5):
+            return camera.scaled_to(*size)
     raise Error(
         f"CameraInfo of {info} is for {own[0]} x {own[1]} px, but the images of {images} are "
         f"{size[0]} x {size[1]}; if they were resized, --camera-size {own[0]}x{own[1]}; if they were "
