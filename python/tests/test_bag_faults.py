@@ -176,6 +176,21 @@ def test_a_camera_that_is_impossible_at_the_size_of_the_images_names_its_topic(
         edvo.open_source(info_bag(tmp_path, frames, flat), camera_size=(320, 1_000_000))
 
 
+def test_a_unit_of_depth_that_is_none_is_named(
+    tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]
+) -> None:
+    recorder = Recorder("ros1", tmp_path)
+    recorder.info("/c/color/camera_info", START, camera, "c")
+    unit = recorder.make("std_msgs/msg/Float32", data=0.0)
+    recorder.write("/device_0/sensor_0/option/Depth_Units/value", unit, START)
+    recorder.image("/c/color/image", START, frames[0].rgb, "rgb8", "c")
+    recorder.image("/c/depth/image", START, millimetres(frames[0]), "mono16", "c")
+    path = recorder.close()
+    with pytest.raises(edvo.Error, match="Depth_Units/value: 0.0 m is no unit; give --depth-scale"):
+        edvo.open_source(path)
+    assert len(list(edvo.open_source(path, depth_scale=1000))) == 1
+
+
 def test_a_bag_may_have_any_name(tmp_path: Path, camera: edvo.Camera, frames: list[edvo.Frame]) -> None:
     (tmp_path / "of").mkdir()
     recorder = Recorder("db3", tmp_path / "of")

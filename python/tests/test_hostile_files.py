@@ -162,6 +162,15 @@ def test_a_camera_has_no_more_pixels_than_numbers_hold() -> None:
         edvo.Camera(15, 15, 7.5, 5.5, 2**32 - 1, 12)
 
 
+def test_a_rotation_that_is_no_number_is_refused() -> None:
+    lens, motion = edvo.Camera(15, 15, 7.5, 5.5, 16, 12), np.eye(4)
+    for place in ((0, 1), (0, 3)):
+        moved = motion.copy()
+        moved[place] = np.nan
+        with pytest.raises(ValueError, match="colour_from_depth: not all of its numbers are finite"):
+            edvo.DepthRegistration(lens, lens, moved)
+
+
 def test_a_chunk_that_says_to_be_longer_than_its_png_takes_no_memory(tmp_path: Path) -> None:
     data = encoded(".png", COLOUR)
     begin = time.monotonic()

@@ -36,6 +36,7 @@ class Server(ThreadingHTTPServer):
         self.statuses: list[int] = []  # instead of the file, one for each answer
         self.stalls = False
         self.sends_length = True
+        self.length = ""  # that is said instead of the right one
         self.ranges: list[str | None] = []  # that were asked for
 
     @property
@@ -63,7 +64,7 @@ class Handler(BaseHTTPRequestHandler):
         if server.tag:
             self.send_header("ETag", server.tag)
         if server.sends_length:
-            self.send_header("Content-Length", str(len(server.body) - start))
+            self.send_header("Content-Length", server.length or str(len(server.body) - start))
         self.end_headers()
         end = start + server.cuts.pop(0) if server.cuts else len(server.body)
         self.wfile.write(server.body[start:end])
@@ -95,6 +96,15 @@ def folder() -> Path:
 
 def leftovers() -> list[str]:
     return sorted(file.name for file in folder().iterdir() if ".part" in file.name)
+
+
+def test_a_damaged_length_and_notes_of_an_earlier_try_are_no_bug(server: Server) -> None:
+    server.length = "many"
+    folder().mkdir(parents=True)
+    item = pulling.known_items()[NAME]
+    item.file.with_name(item.file.name + ".part").write_bytes(b"old")
+    item.file.with_name(item.file.name + ".part.tag").write_bytes(b"\xff\xfe\n")
+    assert pull(server).read_bytes() == BODY and server.ranges == [None]
 
 
 def test_a_file_is_fetched_once_and_its_hash_kept(server: Server) -> None:
