@@ -203,30 +203,40 @@ def evaluate(edvo, folder):
     return tracked, wrong, lost, len(first)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def arguments_of(description):
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("data", type=Path, metavar="DATA")
     parser.add_argument("out", type=Path, metavar="OUT")
     parser.add_argument("--edvo", default="build/bin/edvo", metavar="PROGRAM")
     parser.add_argument("--icl", type=Path, metavar="FOLDER")
-    parser.add_argument("--kind", default="", help="only clips whose kind begins like this")
     parser.add_argument("--verbose", action="store_true", help="print every clip")
-    options = parser.parse_args()
-    if not options.out.exists():
-        generate(options.data, options.icl, options.out)
+    return parser
+
+
+def print_table(options, is_wanted):
+    """Tracks the clips of the wanted kinds and prints what became of each kind."""
     kinds = {}
     for folder in sorted(options.out.iterdir()):
         kind = folder.name.split(".")[1]
-        if not kind.startswith(options.kind):
+        if not is_wanted(kind):
             continue
         counts = evaluate(options.edvo, folder)
         if options.verbose:
-            print(folder.name, *counts)
+            print(folder.name, *counts, flush=True)
         kinds.setdefault(kind, []).append(counts)
-    print(f"{'kind':16} {'clips':>6} {'tracked':>8} {'wrong':>6} {'lost':>6}")
+    print(f"{'kind':20} {'clips':>6} {'tracked':>8} {'wrong':>6} {'lost':>6}")
     for kind, counts in sorted(kinds.items()):
         tracked, wrong, lost, _ = np.sum(counts, axis=0)
-        print(f"{kind:16} {len(counts):6} {tracked:8} {wrong:6} {lost:6}")
+        print(f"{kind:20} {len(counts):6} {tracked:8} {wrong:6} {lost:6}")
+
+
+def main():
+    parser = arguments_of(__doc__.splitlines()[0])
+    parser.add_argument("--kind", default="", help="only clips whose kind begins like this")
+    options = parser.parse_args()
+    if not options.out.exists():
+        generate(options.data, options.icl, options.out)
+    print_table(options, lambda kind: kind.startswith(options.kind))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ approaches, a board that moves from the first frame on, a curtain; `poster` rest
 the same before a camera at rest. The clips are kept in OUT and used again. Needs numpy and
 opencv-python (benchmarks/requirements.txt). The random parts are seeded.
 """
-import argparse
 import re
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -239,28 +238,12 @@ def generate(data, icl, out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data", type=Path, metavar="DATA")
-    parser.add_argument("out", type=Path, metavar="OUT")
-    parser.add_argument("--edvo", default="build/bin/edvo", metavar="PROGRAM")
-    parser.add_argument("--icl", type=Path, metavar="FOLDER")
+    parser = bad_frames.arguments_of(__doc__.splitlines()[0])
     parser.add_argument("--kind", default=".*", help="only kinds that match this expression")
-    parser.add_argument("--verbose", action="store_true", help="print every clip")
     options = parser.parse_args()
     if not options.out.exists():
         generate(options.data, options.icl, options.out)
-    counts = {}
-    for folder in sorted(options.out.iterdir()):
-        kind = folder.name.split(".")[1]
-        if not re.fullmatch(options.kind, kind):
-            continue
-        counts.setdefault(kind, []).append(bad_frames.evaluate(options.edvo, folder))
-        if options.verbose:
-            print(folder.name, *counts[kind][-1], flush=True)
-    print(f"{'kind':20} {'clips':>6} {'tracked':>8} {'wrong':>6} {'lost':>6}")
-    for kind, trials in sorted(counts.items()):
-        tracked, wrong, lost, _ = np.sum(trials, axis=0)
-        print(f"{kind:20} {len(trials):6} {tracked:8} {wrong:6} {lost:6}")
+    bad_frames.print_table(options, lambda kind: re.fullmatch(options.kind, kind))
 
 
 if __name__ == "__main__":
